@@ -9,6 +9,7 @@
 
 #include <rths/cases/against.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 #include <rths/verdict/diagnose.hpp>
@@ -76,8 +77,9 @@ int diagnose(const DiagnoseArguments& arguments) {
   steps->begin("the diagnosis");
   diagnosis::Verdict verdict =
       diagnosis::diagnose(c, {arguments.without, arguments.seed, shown_by(*steps)});
-  // In this version, specimen and machine of a run are models.
-  verdict.synthetic = verdict.synthetic || is_run(case_at(arguments.case_or_recording));
+  if (const auto recording = case_at(arguments.case_or_recording); is_run(recording))
+    verdict.synthetic =
+        report::is_of_models(recording::Reader{recording}).value_or(verdict.synthetic);
   if (const auto recording = case_at(arguments.case_or_recording);
       is_run(recording) && arguments.against.empty())
     add_mismatch_budget(recording, folder, verdict);

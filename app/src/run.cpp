@@ -110,12 +110,11 @@ void run_improved(const RunArguments& arguments, const std::filesystem::path& fr
 }
 
 // Writes the diagnosis of a run and, if it improves the model, the improved numerical result.
-diagnosis::Verdict diagnose_run(const RunArguments& arguments, const launch::Experiment& experiment,
-                                const std::filesystem::path& folder,
+diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesystem::path& folder,
                                 const std::vector<report::Broken>& broken) {
   diagnosis::Verdict verdict = diagnosis::diagnose(diagnosis::load_case(folder / report::kRunFile));
-  // A machine that is a program of the user's own may be a real one.
-  verdict.synthetic = !has_adapter(experiment, "external");
+  verdict.synthetic = report::is_of_models(recording::Reader{folder / report::kRunFile})
+                          .value_or(verdict.synthetic);
   for (const auto& condition : broken)
     verdict.limits.push_back("the test is not conclusive: " + condition.text());
   // In virtual time the same experiment gives the same bytes.
@@ -133,10 +132,10 @@ struct Diagnosed {
 };
 
 // The recordings are complete, so a failed diagnosis does not stop the report.
-Diagnosed diagnose(const RunArguments& arguments, const launch::Experiment& experiment,
-                   const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
+Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& folder,
+                   const std::vector<report::Broken>& broken) {
   try {
-    const auto verdict = diagnose_run(arguments, experiment, folder, broken);
+    const auto verdict = diagnose_run(arguments, folder, broken);
     Diagnosed diagnosed;
     diagnosed.text =
         fmt::format("diagnosis {}\n{}{}\n", (folder / report::kDiagnosisPage).string(),
@@ -187,7 +186,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   Diagnosed diagnosed;
   if (diagnoses) {
     steps->begin("the diagnosis");
-    diagnosed = diagnose(arguments, experiment, folder, broken);
+    diagnosed = diagnose(arguments, folder, broken);
     compress(folder / report::kImprovedFile);
   }
   steps->begin("the report");

@@ -25,19 +25,20 @@ using recording::AxisRoles;
 using recording::Reader;
 using recording::Roles;
 
-constexpr double kWindow = 2.0;            // of windowed tracking [s]
-constexpr double kWindowStep = 0.25;       // [s]
-constexpr double kWindowSearch = 0.1;      // [s]
-constexpr double kQuietShare = 0.02;       // of the largest command: a smaller motion has no delay
-constexpr double kExcusedLateness = 1e-3;  // of the host: one controller tick [s]
+constexpr double kWindow = 2.0;        // of windowed tracking [s]
+constexpr double kWindowStep = 0.25;   // [s]
+constexpr double kWindowSearch = 0.1;  // [s]
+constexpr double kQuietShare = 0.02;   // of the largest command: a smaller motion has no delay
 
 WindowedTracking windowed_tracking(const Series& command, const Series& measured) {
   WindowedTracking tracking;
   tracking.delay.start = tracking.nrms.start = kWindow / 2;
-  tracking.delay.interval = tracking.nrms.interval = kWindowStep;
+  tracking.delay.interval = tracking.nrms.interval = std::max(kWindowStep, command.interval);
   const double largest = largest_magnitude(command.values);
   const auto length = static_cast<std::size_t>(kWindow / command.interval);
-  const auto stride = static_cast<std::size_t>(kWindowStep / command.interval);
+  const auto stride =
+      std::max<std::size_t>(1, static_cast<std::size_t>(kWindowStep / command.interval));
+  if (length == 0) return tracking;
   for (std::size_t begin = 0; begin + length <= command.values.size(); begin += stride) {
     const auto reference = std::span{command.values}.subspan(begin, length);
     const auto response = std::span{measured.values}.subspan(begin, length);
@@ -154,7 +155,7 @@ void add_raw_delays(Analysis& analysis, const Reader& uncompensated) {
       if (names.axis == axis.name) add_raw_delay(axis, ticks, names);
 }
 
-StepAnalysis analyse_steps(const Reader& run, const Roles& roles, const Series& host_late) {
+StepAnalysis analyse_steps(const Reader& run, const Roles& roles, const HostLateness& host) {
   StepAnalysis steps;
   const auto targets = targets_of(run, roles);
   steps.start = at_each_count(targets, run.time());
@@ -170,7 +171,7 @@ StepAnalysis analyse_steps(const Reader& run, const Roles& roles, const Series& 
   steps.predict = closed("predict_time");
   steps.slow = closed("slow_down_time");
   for (std::size_t i = 0; i < steps.slow.size(); ++i) {
-    const bool excused = host_was_late(host_late, steps.start[i], steps.start[i + 1]);
+    const bool excused = host.was_late(steps.start[i], steps.start[i + 1]);
     steps.excused.push_back(excused);
     steps.excused_count += excused ? 1 : 0;
     if (steps.slow[i] > 0) ++(excused ? steps.slow_downs_excused : steps.slow_downs);
@@ -199,10 +200,12 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
 }
 
 // Model time that the test reached.
-double duration_of(const Reader& run, const Roles& roles, const StepAnalysis& steps, double step) {
+double duration_of(const Reader& run, const Roles& roles, const Analysis& analysis) {
   if (run.has(roles.time))
     if (const auto time = run.signal(roles.time); time.back() > 0) return time.back();
-  return steps.start.empty() ? run.time().back() : static_cast<double>(steps.start.size()) * step;
+  const std::size_t steps = analysis.steps.start.size();
+  return steps > 0 ? static_cast<double>(steps) * analysis.integration_step
+                   : model_time_at(run.time().back(), analysis.rest, analysis.rate);
 }
 
 // Reasons for the sections that depend on the controller and on companion runs.
@@ -248,13 +251,28 @@ controller::DelayIdentification delay_or_none(std::span<const double> command,
   }
 }
 
-bool host_was_late(const Series& host_late, double from, double to) {
-  if (host_late.values.empty()) return false;
-  const auto first = static_cast<std::size_t>(std::max(0.0, from / host_late.interval));
-  const auto last = static_cast<std::size_t>(std::max(0.0, to / host_late.interval));
-  for (std::size_t i = first; i <= last && i < host_late.values.size(); ++i)
-    if (host_late.values[i] >= kExcusedLateness) return true;
+bool HostLateness::was_late(double from, double to) const {
+  if (late.values.empty()) return false;
+  const auto first = static_cast<std::size_t>(std::max(0.0, from / late.interval));
+  const auto last = static_cast<std::size_t>(std::max(0.0, to / late.interval));
+  for (std::size_t i = first; i <= last && i < late.values.size(); ++i)
+    if (late.values[i] >= period) return true;
   return false;
+}
+
+HostLateness lateness_of(const Reader& run) {
+  constexpr double kUsualPeriod = 1e-3;  // [s]
+  const auto late = run.meta_series("host_late");
+  HostLateness host{{0, late.interval, late.values}, kUsualPeriod};
+  try {
+    host.period = Ticks{run, recording::roles_of(run)}.interval();
+  } catch (const Error&) {  // NOLINT(bugprone-empty-catch): the controller made no step
+  }
+  return host;
+}
+
+double model_time_at(double wall_time, double rest, double rate) {
+  return std::max(0.0, wall_time - rest) / rate;
 }
 
 double mean(std::span<const double> values) {
@@ -268,6 +286,12 @@ double percentile(std::vector<double> values, double fraction) {
   const auto index = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), values.begin() + index, values.end());
   return values[static_cast<std::size_t>(index)];
+}
+
+std::optional<double> most_extreme(std::span<const double> values) {
+  const auto found = std::max_element(values.begin(), values.end(),
+                                      [](double a, double b) { return std::abs(a) < std::abs(b); });
+  return found == values.end() ? std::nullopt : std::optional{*found};
 }
 
 std::vector<double> targets_of(const Reader& run, const Roles& roles) {
@@ -307,15 +331,15 @@ Analysis analyse(const std::filesystem::path& folder) {
   describe(analysis, run);
   analysis.changes = operator_changes(run);
   analysis.safety = safety_changes(run);
-  const auto late = run.meta_series("host_late");
-  analysis.host_late = {0, late.interval, late.values};
+  const HostLateness host = lateness_of(run);
+  analysis.host_late = host.late;
   const Roles roles = recording::roles_of(run);
   const Ticks ticks{run, roles};
   analysis.control_rate = 1 / ticks.interval();
   add_axes(analysis, run, ticks, roles);
   if (uncompensated) add_raw_delays(analysis, *uncompensated);
-  analysis.steps = analyse_steps(run, roles, analysis.host_late);
-  analysis.duration = duration_of(run, roles, analysis.steps, analysis.integration_step);
+  analysis.steps = analyse_steps(run, roles, host);
+  analysis.duration = duration_of(run, roles, analysis);
   analysis.vertical =
       analyse_vertical(run, ticks, roles, analysis.rate,
                        analysis.steps.start.empty() ? 0 : analysis.steps.start[0] / analysis.rate);

@@ -28,6 +28,8 @@ struct Series {
 /// The value below which a fraction of the values lies; 0 if there are none.
 /// @param fraction  0 to 1 [-]
 [[nodiscard]] double percentile(std::vector<double> values, double fraction);
+/// The value of largest magnitude, with its sign; none without values.
+[[nodiscard]] std::optional<double> most_extreme(std::span<const double> values);
 
 /// Tracking in a sliding window; NaN where the command hardly moves.
 struct WindowedTracking {
@@ -147,6 +149,7 @@ struct Analysis {
   double control_rate = 0;           ///< [Hz]
   double integration_step = 0;       ///< in model time [s]
   double rate = 1;                   ///< wall time over model time
+  double rest = 0;                   ///< wall time before the test [s]
   int processes = 1;
   std::vector<AxisAnalysis> axes;
   StepAnalysis steps;
@@ -201,8 +204,19 @@ inline constexpr double kDelaySearch = 0.2;
                                                             std::span<const double> measured,
                                                             double interval, double search);
 
-/// Returns true if the lateness of the host reached a controller tick in [from, to].
-[[nodiscard]] bool host_was_late(const Series& host_late, double from, double to);
+/// Lateness of the host, as recorded.
+struct HostLateness {
+  Series late;        ///< largest of each interval [s]; empty in virtual time
+  double period = 0;  ///< control period: a late host excuses from here on [s]
+  /// Returns true if the lateness reached a control period in [from, to].
+  [[nodiscard]] bool was_late(double from, double to) const;
+};
+/// The control period is that of the recording; without steps of a controller, 1 ms.
+[[nodiscard]] HostLateness lateness_of(const recording::Reader& run);
+
+/// Model time at a wall time since the run began [s].
+/// @param rest  wall time before the test [s]   @param rate  wall time over model time
+[[nodiscard]] double model_time_at(double wall_time, double rest, double rate);
 
 /// The lines of a text that each end with a line feed.
 [[nodiscard]] std::vector<std::string> lines(const std::string& text);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -28,16 +29,40 @@ std::vector<double> times_of_targets(const Reader& run, const Roles& roles,
   return time;
 }
 
-// Difference between a displacement of the test and that of another result, of equal intervals.
-double difference(const std::vector<double>& time, const std::vector<double>& displacement,
-                  const NumericalAxis& other, double interval) {
+// Value of a series at a time; none before its first row and after its last. The first row is one
+// interval after the start. Rows of the same interval are at the same times, apart from rounding.
+std::optional<double> value_at(double time, const std::vector<double>& values, double interval,
+                               bool has_same_interval) {
+  constexpr double kRounding = 1e-3;  // of recorded times, over an interval
+  const double place = time / interval - 1;
+  const auto nearest = std::lround(time / interval) - 1;
+  const auto rows = static_cast<long>(values.size());
+  const auto value = [&](long row) { return values[static_cast<std::size_t>(row)]; };
+  if (has_same_interval || std::abs(place - static_cast<double>(nearest)) < kRounding)
+    return nearest >= 0 && nearest < rows ? std::optional{value(nearest)} : std::nullopt;
+  const double before = std::floor(place);
+  const auto row = static_cast<long>(before);
+  if (row < 0 || row + 1 >= rows) return std::nullopt;
+  return std::lerp(value(row), value(row + 1), place - before);
+}
+
+// A displacement at times of a test, one per target.
+struct Response {
+  const std::vector<double>& time;
+  const std::vector<double>& displacement;
+  double interval;  ///< of its targets [s]
+};
+
+// Difference between a displacement of the test and that of another result at the same times.
+double difference(const Response& test, const NumericalAxis& other, double interval) {
+  const bool has_same_interval = std::abs(test.interval - interval) <= 1e-9 * interval;
   double apart = 0, all = 0;
-  for (std::size_t i = 0; i < std::min(time.size(), displacement.size()); ++i) {
-    const auto row = std::lround(time[i] / interval) - 1;
-    if (row < 0 || row >= static_cast<long>(other.displacement.size())) continue;
-    const double error = other.displacement[static_cast<std::size_t>(row)] - displacement[i];
+  for (std::size_t i = 0; i < std::min(test.time.size(), test.displacement.size()); ++i) {
+    const auto value = value_at(test.time[i], other.displacement, interval, has_same_interval);
+    if (!value) continue;
+    const double displacement = test.displacement[i], error = *value - displacement;
     apart += error * error;
-    all += displacement[i] * displacement[i];
+    all += displacement * displacement;
   }
   return all > 0 ? std::sqrt(apart / all) : 0;
 }
@@ -59,7 +84,8 @@ std::vector<NumericalAxis> numerical_axes(const Analysis& analysis, const Reader
     result.force = numerical.signal("result.force." + names.axis);
     result.peak_displacement = largest_magnitude(result.displacement);
     result.peak_shear = largest_magnitude(result.force);
-    result.difference = difference(time, at_each_count(steps, run.signal(names.target)), result,
+    const auto displacement = at_each_count(steps, run.signal(names.target));
+    result.difference = difference({time, displacement, analysis.integration_step}, result,
                                    analysis.numerical_interval);
     axes.push_back(std::move(result));
   }
@@ -78,7 +104,7 @@ NumericalAxis response_of(const AxisAnalysis& other, double other_step, const Ax
   std::vector<double> time;
   for (std::size_t i = 0; i < axis.step_displacement.size(); ++i)
     time.push_back(static_cast<double>(i + 1) * step);
-  result.difference = difference(time, axis.step_displacement, result, other_step);
+  result.difference = difference({time, axis.step_displacement, step}, result, other_step);
   return result;
 }
 

@@ -2,11 +2,13 @@
 //
 // Facts of a run in words, from the experiment in its recording.
 #include <algorithm>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
 #include <rths/recording/roles.hpp>
+#include <rths/report/report.hpp>
 #include <rths/sim/isolated_plant.hpp>
 
 #include "analysis.hpp"
@@ -68,6 +70,41 @@ Config node_with(const Config& file, const std::vector<std::string>& adapters) {
   return {};
 }
 
+const std::vector<std::string>& models_of_machines() {
+  static const std::vector<std::string> adapters{"srmd", "ideal_machine", "echo",
+                                                 "opensees_specimen"};
+  return adapters;
+}
+
+// Adapters of the user's own.
+const std::vector<std::string>& own_adapters() {
+  static const std::vector<std::string> adapters{"external", "plugin", "fmu"};
+  return adapters;
+}
+
+bool is_among(const std::vector<std::string>& adapters, const std::string& adapter) {
+  return std::find(adapters.begin(), adapters.end(), adapter) != adapters.end();
+}
+
+/// The node that plays specimen and machine. Empty: no node of the experiment does.
+struct MachineNode {
+  std::string name, adapter;
+};
+
+// An ideal machine, and some machines of users, play the controller too. Their experiment has no
+// node with the role.
+MachineNode machine_in(const Config& file, const recording::Roles& roles) {
+  const Config nodes = file.table_or_empty("node");
+  if (nodes.is_table(roles.machine))
+    return {roles.machine, nodes.table(roles.machine).text("adapter", "")};
+  for (const auto* adapters : {&models_of_machines(), &own_adapters()})
+    for (const auto& name : nodes.keys()) {
+      const std::string adapter = nodes.table(name).text("adapter", "");
+      if (name != roles.solver && is_among(*adapters, adapter)) return {name, adapter};
+    }
+  return {};
+}
+
 // Names of the nodes that are programs of the user's own.
 std::vector<std::string> foreign_nodes(const Config& file) {
   std::vector<std::string> names;
@@ -77,10 +114,15 @@ std::vector<std::string> foreign_nodes(const Config& file) {
   return names;
 }
 
-std::string laboratory_sentence(const Config& file, const std::string& machine) {
-  if (machine.empty()) return "Specimen and machine are not nodes of this experiment.";
+std::string laboratory_sentence(const Config& file, const MachineNode& machine) {
+  if (machine.name.empty()) return "Specimen and machine are not nodes of this experiment.";
+  if (!is_among(models_of_machines(), machine.adapter))
+    return fmt::format(
+        "Node {} with adapter {} represents specimen and machine. It is the user's own and may "
+        "drive a real machine.",
+        machine.name, machine.adapter);
   const std::string bearing = file.table_or_empty("specimen").text("model", "lprb");
-  if (machine == "srmd")
+  if (machine.adapter == "srmd")
     return fmt::format(
         "Specimen ({}) and test machine are models in software. No value was measured in a "
         "laboratory.",
@@ -88,7 +130,7 @@ std::string laboratory_sentence(const Config& file, const std::string& machine) 
   return fmt::format(
       "The node with adapter {} represents specimen and machine. No value was measured in a "
       "laboratory.",
-      machine);
+      machine.adapter);
 }
 
 std::string structure_sentence(const Config& file) {
@@ -108,7 +150,19 @@ std::string structure_sentence(const Config& file) {
       file.has("plant") ? "those of the experiment's [plant]" : "assumptions of this project");
 }
 
-std::vector<std::string> scope_of(const Config& file, const std::string& machine) {
+std::string vertical_sentence(const Config& file, const MachineNode& machine) {
+  if (node_with(file, {"numerical"}).text("vertical_feedback", "model") == "measured")
+    return "The vertical force is tested, too: its measurement restores the structure.";
+  const Config motion = file.table_or_empty("motion");
+  if (!motion.has("column_vert") && !motion.has("file_vert"))
+    return "The vertical load of the bearing is constant.";
+  if (machine.adapter == "ideal_machine")
+    return "The ideal machine has no vertical axis, so the vertical motion of the ground does not "
+           "vary the vertical load of the bearing.";
+  return "The vertical motion of the ground varies the vertical load of the bearing.";
+}
+
+std::vector<std::string> scope_of(const Config& file, const MachineNode& machine) {
   std::vector<std::string> scope{laboratory_sentence(file, machine)};
   if (const auto foreign = foreign_nodes(file); !foreign.empty())
     scope.push_back(
@@ -129,20 +183,28 @@ std::vector<std::string> scope_of(const Config& file, const std::string& machine
     scope.push_back("The model of the simulation differs in: " + list_of(differences) + ".");
   scope.push_back(structure_sentence(file));
   const auto axes = file.texts("axes", {"long", "lat"});
-  const Config motion = file.table_or_empty("motion");
-  const bool is_vertical = motion.has("column_vert") || motion.has("file_vert");
-  const bool is_fed_back =
-      node_with(file, {"numerical"}).text("vertical_feedback", "model") == "measured";
-  scope.push_back(fmt::format(
-      "Tested {}: {}. The rotations' commands are zero. {}", axes.size() == 1 ? "axis" : "axes",
-      list_of(axes),
-      is_fed_back   ? "The vertical force is tested, too: its measurement restores the structure."
-      : is_vertical ? "The vertical motion of the ground varies the vertical load of the bearing."
-                    : "The vertical load of the bearing is constant."));
+  scope.push_back(fmt::format("Tested {}: {}. The rotations' commands are zero. {}",
+                              axes.size() == 1 ? "axis" : "axes", list_of(axes),
+                              vertical_sentence(file, machine)));
   return scope;
 }
 
+// Without an earthquake, the run imposes the displacements of [targets].
+std::string motion_name(const Config& file) {
+  if (!file.has("motion")) return "commanded displacements";
+  const Config motion = file.table("motion");
+  const std::string name = motion.text("name", motion.text("file", ""));
+  const double scale = motion.number("scale", 1.0);
+  return scale == 1 ? name : name + fmt::format(" × {:g}", scale);
+}
+
 }  // namespace
+
+std::optional<bool> is_of_models(const recording::Reader& run) {
+  const auto experiment = recording::experiment_in(run);
+  if (!experiment) return std::nullopt;
+  return is_among(models_of_machines(), machine_in(*experiment, recording::roles_of(run)).adapter);
+}
 
 void describe(Analysis& analysis, const recording::Reader& run) {
   const std::string ending = text_at(analysis.meta, "ending", kNoEnding);
@@ -157,14 +219,10 @@ void describe(Analysis& analysis, const recording::Reader& run) {
   analysis.planned_duration = file.number("duration_s", 0);
   analysis.spectrum_elevation = file.table_or_empty("plant").number(
       "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
-  const auto motion = file.table("motion");
-  analysis.motion = motion.text("name", motion.text("file", ""));
-  const double scale = motion.number("scale", 1.0);
-  if (scale != 1) analysis.motion += fmt::format(" × {:g}", scale);
-  const std::string machine =
-      node_with(file, {"srmd", "ideal_machine", "echo", "opensees_specimen"}).text("adapter", "");
-  analysis.synthetic = !machine.empty();
-  analysis.scope = scope_of(file, machine);
+  analysis.rest = file.number("rest_s", 0);
+  analysis.motion = motion_name(file);
+  analysis.synthetic = is_of_models(run).value_or(false);
+  analysis.scope = scope_of(file, machine_in(file, recording::roles_of(run)));
   if (const auto node = text_at(analysis.meta, "without_safety_layer", ""); !node.empty())
     analysis.scope.push_back(
         fmt::format("Node {} has no safety layer: rths does not guard its commands.", node));

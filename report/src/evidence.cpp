@@ -77,6 +77,19 @@ std::vector<Window> gaps_in(const std::vector<double>& counter) {
   return gaps;
 }
 
+// Vertical load of the specimen in each tick: `rest_load` until the first reference, then the
+// reference. A negative reference lifts the specimen off.
+std::vector<double> loads_of(const Evidence& evidence, double rest_load) {
+  std::vector<double> loads(evidence.time.size(), rest_load);
+  if (!evidence.load_reference.is_recorded()) return loads;
+  const auto& reference = evidence.load_reference.values;
+  const auto first =
+      std::find_if(reference.begin(), reference.end(), [](double load) { return load != 0; });
+  for (auto i = static_cast<std::size_t>(first - reference.begin()); i < loads.size(); ++i)
+    loads[i] = std::max(0.0, reference[i]);
+  return loads;
+}
+
 // Moves the assumed model of the specimen as the platen was measured to move.
 void add_model_force(Evidence& evidence, const Reader& run) {
   const std::string text = run.config(recording::kSpecimenText);
@@ -84,6 +97,7 @@ void add_model_force(Evidence& evidence, const Reader& run) {
   const double rest_load = evidence.load.is_recorded() ? evidence.load.values.back() : 0;
   sim::BearingRun model{sim::read_bearing(Config::parse(text, recording::kSpecimenText), rest_load),
                         evidence.interval};
+  const auto loads = loads_of(evidence, rest_load);
   std::array<std::vector<double>, sim::kHorizontalAxes> motion;
   for (auto& axis : evidence.axes) motion[axis.index] = smoothed(axis.displacement.values);
   for (std::size_t i = 0; i < evidence.time.size(); ++i) {
@@ -94,10 +108,7 @@ void add_model_force(Evidence& evidence, const Reader& run) {
       displacement[at] = u[i];
       velocity[at] = i == 0 ? 0 : (u[i] - u[i - 1]) / evidence.interval;
     }
-    const double load =
-        evidence.load_reference.is_recorded() ? evidence.load_reference.values[i] : rest_load;
-    const Eigen::Vector2d force =
-        model.advance(displacement, velocity, load > 0 ? load : rest_load);
+    const Eigen::Vector2d force = model.advance(displacement, velocity, loads[i]);
     for (auto& axis : evidence.axes)
       axis.model_force.push_back(force[static_cast<Eigen::Index>(axis.index)]);
   }

@@ -19,15 +19,41 @@ using recording::Reader;
 
 constexpr double kRounding = 0.5;  // of an integration step
 
-bool has_adapter(const Config& experiment, const std::string& adapter) {
+// The first node with the adapter; empty if there is none.
+std::string node_of(const Config& experiment, const std::string& adapter) {
   const Config nodes = experiment.table("node");
-  const auto names = nodes.keys();
-  return std::any_of(names.begin(), names.end(), [&](const auto& name) {
-    return nodes.table(name).text("adapter", "") == adapter;
-  });
+  for (const auto& name : nodes.keys())
+    if (nodes.table(name).text("adapter", "") == adapter) return name;
+  return "";
+}
+
+// Largest value of a signal; 0 if it is not recorded.
+double largest_of(const Reader& run, const std::string& signal) {
+  double largest = 0;
+  if (run.has(signal))
+    for (const double value : run.signal(signal)) largest = std::max(largest, value);
+  return largest;
 }
 
 double end_of(const Reader& run) { return run.time().empty() ? 0 : run.time().back(); }
+
+// Model time that the test reached.
+double reached_in(const Reader& run, const Config& experiment, bool is_completed) {
+  const double step = experiment.number("integration_step_s", 0.01);
+  const auto roles = recording::roles_of(run);
+  const double latest = largest_of(run, roles.time);
+  // The time of OpenSees can restart. Its count lacks trials that repeat the one before, as the
+  // first, which its time has.
+  const std::string moves = "monitor." + node_of(experiment, "opensees") + ".step";
+  if (run.has(moves)) return std::max((largest_of(run, moves) + 1) * step, latest);
+  if (latest > 0 || (run.has(roles.time) && !node_of(experiment, "numerical").empty()))
+    return latest;
+  // A solver of the user's own may write no time.
+  const std::string counted = roles.monitor_of_controller() + "pc.targets";
+  if (run.has(counted)) return largest_of(run, counted) * step;
+  if (is_completed) return experiment.number("duration_s");
+  return model_time_at(end_of(run), experiment.number("rest_s", 0), experiment.number("rate", 1));
+}
 
 Break end_of_run(const Reader& run, const Config& experiment) {
   const double planned = experiment.number("duration_s");
@@ -36,13 +62,7 @@ Break end_of_run(const Reader& run, const Config& experiment) {
   const auto ending = meta.find("ending");
   const std::string how = ending == meta.end() ? "not recorded" : ending->second;
   const std::string signal = recording::roles_of(run).time;
-  double reached = planned;
-  // The time of OpenSees restarts with each analysis. A solver of the user's own may write none.
-  if (run.has(signal) && !has_adapter(experiment, "opensees")) {
-    double latest = 0;
-    for (const double time : run.signal(signal)) latest = std::max(latest, time);
-    if (latest > 0 || has_adapter(experiment, "numerical")) reached = latest;
-  }
+  const double reached = reached_in(run, experiment, how == "completed");
   if (how == "completed" && reached > planned - (1 + kRounding) * step) return {};
   return Broken{"end", end_of(run), signal, fmt::format("{:.2f} s, ending: {}", reached, how),
                 fmt::format("{:g} s, ending: completed", planned)};
@@ -113,14 +133,14 @@ std::size_t test_rows(const Reader& run) {
 }
 
 // Invalid or torn inputs. A host that is late in the midst of a write excuses them.
-Break stale_input(const Reader& run, const std::string& node, const Series& host_late) {
+Break stale_input(const Reader& run, const std::string& node, const HostLateness& host) {
   const std::string signal = "monitor." + node + ".host.stale";
   const auto count = run.signal(signal);
   const std::size_t rows = test_rows(run);
   double stale = 0, first = 0;
   for (std::size_t i = 1; i < rows; ++i) {
     const double time = run.time()[i];
-    if (!(count[i] > count[i - 1]) || host_was_late(host_late, time - 0.01, time + 0.01)) continue;
+    if (!(count[i] > count[i - 1]) || host.was_late(time - 0.01, time + 0.01)) continue;
     if (stale == 0) first = time;
     stale += count[i] - count[i - 1];
   }
@@ -146,13 +166,13 @@ Break node_limit(const Reader& run, const std::string& node, const Bounds& bound
                 fmt::format("at most {:g} s", bounds.at_limits)};
 }
 
-Break late_host(const Reader& run, const Series& host_late, const Bounds& bounds) {
+Break late_host(const Reader& run, const HostLateness& host, const Bounds& bounds) {
   const auto targets = targets_of(run, recording::roles_of(run));
-  if (targets.empty() || host_late.values.empty()) return {};
+  if (targets.empty() || host.late.values.empty()) return {};
   const auto start = recording::at_each_count(targets, run.time());
   double late = 0, first = 0;
   for (std::size_t i = 1; i < start.size(); ++i) {
-    if (!host_was_late(host_late, start[i - 1], start[i])) continue;
+    if (!host.was_late(start[i - 1], start[i])) continue;
     if (late == 0) first = start[i - 1];
     ++late;
   }
@@ -208,17 +228,16 @@ class Judgement {
 
 void judge_run(Judgement& judgement, const Reader& run, const Config& experiment,
                const Bounds& bounds) {
-  const auto late = run.meta_series("host_late");
-  const Series host_late{0, late.interval, late.values};
   judgement.add(end_of_run(run, experiment));
   judgement.add(safety_of(run));
   judgement.add(missing_rows(run, bounds));
-  judgement.add(late_host(run, host_late, bounds));
   if (run.rows() < 2) return;
+  const HostLateness host = lateness_of(run);
+  judgement.add(late_host(run, host, bounds));
   for (const auto& node : nodes_of(run)) {
     judgement.add(unseen_steps(run, node, bounds));
     judgement.add(restart_of(run, node));
-    judgement.add(stale_input(run, node, host_late));
+    judgement.add(stale_input(run, node, host));
     judgement.add(node_limit(run, node, bounds));
   }
 }

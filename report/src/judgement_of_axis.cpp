@@ -38,13 +38,14 @@ std::vector<double> difference(const std::vector<double>& a, const std::vector<d
   return result;
 }
 
-// First tick at which a word and its speed are at a limit.
-std::optional<std::size_t> first_at(const std::vector<double>& values, double limit) {
+// First tick at which a value is beyond a limit.
+std::optional<std::size_t> first_beyond(const std::vector<double>& values, double limit) {
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::abs(values[i]) >= limit) return i;
+    if (std::abs(values[i]) > limit) return i;
   return std::nullopt;
 }
 
+// Departure of each value from the mean of its neighbours; 0 for the first and the last.
 std::vector<double> bends(const std::vector<double>& values) {
   std::vector<double> result(values.size(), 0.0);
   for (std::size_t i = 1; i + 1 < values.size(); ++i)
@@ -126,18 +127,26 @@ Break tracking_of(const AxisEvidence& axis, const Evidence& all, const Bounds& b
   const auto error = difference(d, u);
   const double largest = axis.largest_command;
   const auto allowed = [&](double bound) { return std::max(bound * largest, bounds.resolution); };
+  // Without a command, an error has no fraction.
+  const auto found_as = [&](double size) {
+    return largest > 0 ? fmt::format("{:.1f} %", 100 * size / largest)
+                       : fmt::format("{:.1f} mm", 1e3 * size);
+  };
+  const auto allowed_as = [&](double bound) {
+    return largest > 0 ? fmt::format("at most {:g} %", 100 * bound)
+                       : fmt::format("at most {:g} mm", 1e3 * allowed(bound));
+  };
   for (const auto& window : windows(all, kTrackingWindow)) {
     const double found = rms(part(error, window));
     if (found > allowed(bounds.window_nrms))
       return Broken{"tracking", all.time[window.begin], axis.displacement.name,
-                    fmt::format("an RMS error of {:.1f} % in 2 s, {}", 100 * found / largest,
+                    fmt::format("an RMS error of {} in 2 s, {}", found_as(found),
                                 proportion(fit(part(u, window), part(d, window)), "the command")),
-                    fmt::format("at most {:g} %", 100 * bounds.window_nrms)};
+                    allowed_as(bounds.window_nrms)};
   }
   if (rms(error) > allowed(bounds.nrms))
     return Broken{"tracking", all.time.front(), axis.displacement.name,
-                  fmt::format("an RMS error of {:.1f} %", 100 * rms(error) / largest),
-                  fmt::format("at most {:g} %", 100 * bounds.nrms)};
+                  fmt::format("an RMS error of {}", found_as(rms(error))), allowed_as(bounds.nrms)};
   if (const auto delay = delay_of(u, d, all); delay && largest > 10 * bounds.resolution) {
     if (std::abs(*delay) > bounds.delay * all.rate)
       return Broken{"tracking", all.time.front(), axis.displacement.name,
@@ -259,7 +268,7 @@ Break jump_of(const Feedback& feedback, const Evidence& all) {
   const auto& w = feedback.word->values;
   const auto bend = bends(w);
   const double allowed = std::max(feedback.jump * feedback.scale, 12 * noise_in(bend));
-  const auto at = first_at(bend, allowed);
+  const auto at = first_beyond(bend, allowed);
   if (!at || feedback.scale <= 0) return {};
   return Broken{"jump", all.time[*at], feedback.word->name,
                 fmt::format("{:.4g} between {:.4g} and {:.4g}", w[*at], w[*at - 1], w[*at + 1]),

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,7 +32,10 @@ std::vector<double> numbers_in(std::vector<double> values) {
   return values;
 }
 
-double median(std::vector<double> values) { return percentile(std::move(values), 0.5); }
+// None without values.
+std::optional<double> median(std::vector<double> values) {
+  return values.empty() ? std::nullopt : std::optional{percentile(std::move(values), 0.5)};
+}
 
 // Rounds to significant decimals.
 double rounded(double value, int decimals) {
@@ -100,8 +105,8 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   json["delay_compensated_min_rms_ms"] = rounded(axis.delay_min_rms * kMilli, 2);
   json["nrms_percent"] = rounded(axis.nrms * kPercent, 3);
   const auto delays = numbers_in(axis.tracking.delay.values);
-  json["delay_in_windows_median_ms"] = rounded(median(delays) * kMilli, 2);
-  json["delay_in_windows_max_ms"] = rounded(largest(delays) * kMilli, 2);
+  json["delay_in_windows_median_ms"] = optional_ms(median(delays));
+  json["delay_in_windows_max_ms"] = optional_ms(most_extreme(delays));
   json["nrms_in_windows_max_percent"] = rounded(largest(axis.tracking.nrms.values) * kPercent, 3);
   json["peak_error_percent"] = rounded(axis.peak_error * kPercent, 3);
   json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
@@ -175,8 +180,7 @@ std::string hops_summary(const std::vector<HopAnalysis>& hops) {
   });
   return fmt::format(
       "hosts   updates of {} reach host {} in {:.2f} ms (p99 {:.2f}, at most {:.1f}), the slowest "
-      "of {} "
-      "hops\n",
+      "of {} hops\n",
       slowest->from, slowest->to, slowest->delay_p50 * kMilli, slowest->delay_p99 * kMilli,
       slowest->delay_max * kMilli, hops.size());
 }
@@ -224,11 +228,12 @@ long total_overruns(const Analysis& analysis) {
 
 // Delay and error of an axis, of all frequencies and of each band.
 std::string axis_summary(const AxisAnalysis& axis) {
+  const auto in_windows = median(numbers_in(axis.tracking.delay.values));
   std::string text = fmt::format(
-      "{:<7} delay {}{:.1f} ms (median over 2 s windows {:.1f})  NRMS {:.2f} %  peak "
+      "{:<7} delay {}{:.1f} ms (median over 2 s windows {})  NRMS {:.2f} %  peak "
       "{:.1f} mm, {:.0f} kN\n",
       axis.name, axis.raw_delay ? fmt::format("{:.1f} -> ", *axis.raw_delay * kMilli) : "",
-      axis.delay * kMilli, median(numbers_in(axis.tracking.delay.values)) * kMilli,
+      axis.delay * kMilli, in_windows ? fmt::format("{:.1f}", *in_windows * kMilli) : "–",
       axis.nrms * kPercent, axis.peak_displacement * kMilli, axis.peak_shear * kPerKilo);
   for (const auto& band : axis.bands)
     if (band.response)

@@ -23,14 +23,21 @@ std::string prefix_of(const Reader& run) {
 // NaN rows are missing.
 bool is_code(double value, int count) { return value >= 0 && value < count; }
 
+// The axis after those of the roles is the vertical one.
+std::string axis_name(const Reader& run, double axis) {
+  const auto axes = recording::roles_of(run).axes;
+  const auto count = static_cast<int>(axes.size());
+  if (!is_code(axis, count + 1)) return "an axis";
+  const auto index = static_cast<std::size_t>(axis);
+  return index < axes.size() ? axes[index].axis : "vert";
+}
+
 std::string text_of(const Reader& run, std::size_t row) {
   const std::string prefix = prefix_of(run);
   const auto value = [&](const char* name) { return run.signal(prefix + name)[row]; };
   const auto cause = static_cast<SafetyCause>(value("trip"));
-  const auto axes = recording::roles_of(run).axes;
-  const auto axis = static_cast<std::size_t>(value("axis"));
   const bool is_node = cause == SafetyCause::NodeSilent || cause == SafetyCause::NodeInvalid;
-  const std::string of = is_node || axis >= axes.size() ? "a node" : axes[axis].axis;
+  const std::string of = is_node ? "a node" : axis_name(run, value("axis"));
   const auto [quantity, unit] = to_text(cause);
   return fmt::format("{} of {} is {:.4g} {}", quantity, of, value("value"), unit);
 }

@@ -281,7 +281,7 @@
       ["raw NRMS [%]", "nrms_raw_percent", 2], ["compensated delay, cross-correlation [ms]", "delay_compensated_ms", 2],
       ["compensated delay, minimum RMS [ms]", "delay_compensated_min_rms_ms", 2],
       ["compensated delay, median over 2 s windows [ms]", "delay_in_windows_median_ms", 2],
-      ["compensated delay, largest of 2 s windows [ms]", "delay_in_windows_max_ms", 2],
+      ["compensated delay, of largest magnitude in 2 s windows [ms]", "delay_in_windows_max_ms", 2],
       ["NRMS [%]", "nrms_percent", 2], ["NRMS, largest of 2 s windows [%]", "nrms_in_windows_max_percent", 2],
       ["largest error / largest command [%]", "peak_error_percent", 2], ["peak displacement [mm]", "peak_displacement_mm", 1],
       ["peak displacement, numerical [mm]", "numerical_peak_displacement_mm", 1],

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -97,6 +98,7 @@ INSTANTIATE_TEST_SUITE_P(
         Checked{"experiment", in_tree("examples/srmd_lprb_2d.toml"), ": experiment 'srmd_lprb_2d'"},
         Checked{"columns", in_tree("examples/records/petrolia_1992_riodell_freefield.csv"),
                 "3000 samples, interval 0.02 s, peak 0.385"},
+        Checked{"scenario", in_tree("examples/cards/dead_node.toml"), ": scenario of 4 cards, 400"},
         Checked{"case", in_tree("examples/diagnosis/actuator/case.toml"), ": case '"}),
     [](const auto& checked) { return std::string{checked.param.name}; });
 
@@ -177,6 +179,21 @@ TEST(Check, SaysWhereACaseIsWrong) {
 
   EXPECT_EQ(checked.exit_code, 2);
   EXPECT_EQ(checked.err.rfind("rths: " + file.string() + ":", 0), 0U) << checked.err;
+}
+
+TEST(Check, RefusesAnUnknownKeyOfTheModelOfACase) {
+  const test::TemporaryFolder folder;
+  const auto copy = folder.path() / "actuator";
+  std::filesystem::copy(test::source_tree() / "examples/diagnosis/actuator", copy,
+                        std::filesystem::copy_options::recursive);
+  std::string text = test::content_of(copy / "case.toml");
+  text.insert(text.find("[model]\n") + 8, "delai_s = 0\n");
+  std::ofstream{copy / "case.toml"} << text;
+
+  const Finished checked = run_rths({"check", (copy / "case.toml").string()});
+
+  EXPECT_EQ(checked.exit_code, 2) << checked.out;
+  EXPECT_NE(checked.err.find("unknown key 'delai_s'"), std::string::npos) << checked.err;
 }
 
 TEST(Run, TakesATextWithoutQuotes) {

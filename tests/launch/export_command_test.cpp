@@ -101,6 +101,11 @@ TEST_F(ExportCommand, ReportsWrongInputAndWritesNothing) {
   EXPECT_EQ(run_to(recording(), {}).err,
             "rths: " + recording().string() +
                 ": is the recording itself, expected another file (--out)\n");
+  const auto other = recording().parent_path() / "other.h5";
+  std::filesystem::copy_file(recording(), other);
+  EXPECT_EQ(run_to(other, {}).err, "rths: " + other.string() +
+                                       ": is a recording, expected another file for the results\n");
+  EXPECT_EQ(test::content_of(other), test::content_of(recording()));
   EXPECT_EQ(run({"--format", "xls"}).exit_code, 3);
   EXPECT_EQ(run({"--from", "soon"}).exit_code, 3);
   EXPECT_FALSE(std::filesystem::exists(table()));

@@ -124,7 +124,7 @@ TEST_F(OpenSeesRun, LeavesNothingBehindAfterAUsersOpenSees) {
   ASSERT_TRUE(test::comes_true([&] { return !test::children_of(laboratory.pid()).empty(); }));
   const int keeper = test::children_of(laboratory.pid())[0];
   test::Running opensees{{python_, (test::source_tree() / "tests/opensees/fated.py").string(),
-                          std::to_string(port_), "leave", "50"}};
+                          std::to_string(port_), "leave", std::to_string(steps())}};
   EXPECT_EQ(opensees.wait().exit_code, 0);
   const auto finished = laboratory.wait();
   EXPECT_EQ(finished.exit_code, 0) << finished.err;

@@ -49,7 +49,7 @@ std::string OpenSeesRun::experiment(const ExperimentOptions& options) const {
 name = "opensees_test"
 map = "{}"
 axes = {}
-duration_s = 30
+duration_s = {}
 [motion]
 file = "{}"
 column_long = 2
@@ -67,7 +67,7 @@ name = "bearing"
 port = {}
 {}
 )",
-                         options.map, options.map == "srmd" ? options.axes : kBoth,
+                         options.map, options.map == "srmd" ? options.axes : kBoth, duration_,
                          (tree / "examples/records" / kRecord).string(), options.partners, script,
                          options.node, port_, element))
       .string();

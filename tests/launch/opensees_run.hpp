@@ -45,7 +45,7 @@ class OpenSeesRun : public test::WithOpenSees<> {
   [[nodiscard]] std::string plant_arguments() const;
   [[nodiscard]] Rows ring_response() const { return read_rows(folder_.path() / "ring.csv"); }
 
-  /// Of the analyses of `kPlant` and of the frame [s]; steps of 10 ms.
+  /// Of the experiment and of the analyses of `kPlant` and of the frame [s]; steps of 10 ms.
   int duration_ = test::is_long() ? 30 : 7;
   [[nodiscard]] std::size_t steps() const { return 100 * static_cast<std::size_t>(duration_); }
   static constexpr const char* kRecord = "petrolia_1992_riodell_freefield.csv";

@@ -111,7 +111,11 @@ TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
   const auto finished = run(
       experiment({kIdeal, "tests/opensees/fated.py", fmt::format(R"("{}", "leave", "50")", port_)}),
       "virtual");
-  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_EQ(finished.exit_code, 1) << finished.err;
+  EXPECT_NE(finished.out.find("found 0.50 s, ending: completed, expected " +
+                              std::to_string(duration_) + " s, ending: completed"),
+            std::string::npos)
+      << finished.out;
   const recording::Reader reader{out() / "run.h5"};
   EXPECT_EQ(reader.signal("monitor.opf.step").back(), 49);  // no motion in the first step
 }
@@ -119,6 +123,7 @@ TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
 // A bearing that is sheared, rotated and loaded by its weight, with P-Δ moments, and with local
 // axes that differ from those of the script.
 TEST_F(OpenSeesRun, FeelsSixComponentsOfABearingAsItsOwn) {
+  duration_ = 10;  // that of the script
   const auto ring = folder_.path() / "ring.csv", own = folder_.path() / "own.csv";
   const std::string bearing = R"([node.opf.element.bearing]
 height = 0.5
@@ -163,6 +168,7 @@ TEST_F(OpenSeesRun, SpeaksToEveryLaboratory) {
   struct Facility {
     const char *map, *axis;
   };
+  duration_ = 1;
   int runs = 0;
   for (const auto& [map, axis] :
        {Facility{"srmd", "long"}, Facility{"sts", "8"}, Facility{"sts_gt", "1"},
@@ -177,7 +183,7 @@ TEST_F(OpenSeesRun, SpeaksToEveryLaboratory) {
               {"[node.xpc]\nadapter = \"echo\"\nstiffness_N_per_m = 2.8\n" + handshake +
                    "[node.recorder]\nadapter = \"recorder\"\n",
                "tests/opensees/oscillator.py",
-               fmt::format(R"("{}", "tcp", "50", "NewmarkExplicit", "0.5")", port_), R"(["long"])",
+               fmt::format(R"("{}", "tcp", "100", "NewmarkExplicit", "0.5")", port_), R"(["long"])",
                map, fmt::format("dofs = [\"{}\"]\ninitial_stiffness = [[2.8]]", axis), handshake}),
           "virtual");
       ASSERT_EQ(finished.exit_code, 0) << map << ' ' << generation << finished.err;
@@ -219,7 +225,7 @@ TEST_P(OpenSeesIntegrator, FeelsAColumnOnTheRingAsItsOwn) {
   const auto ring = folder_.path() / "ring.csv", own = folder_.path() / "own.csv";
   const auto finished = test::run_rths(
       {"run", (examples / "one_bay_frame.toml").string(), "--clock", "virtual", "--out",
-       out().string(), "--set",
+       out().string(), "--set", "duration_s=10", "--set",
        fmt::format("node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
                    "arguments=[\"{{motion}}\", \"--port\", \"{}\", \"--response\", \"{}\", "
                    "\"--duration\", \"10\", \"--integrator\", \"{}\", \"0.8\"], "

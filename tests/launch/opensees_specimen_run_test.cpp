@@ -28,6 +28,8 @@ class OpenSeesSpecimen : public OpenSeesRun {
             out().string(),
             "--force",
             "--set",
+            fmt::format("duration_s={}", duration_),
+            "--set",
             fmt::format(
                 "node.xpc={{adapter=\"opensees_specimen\", python=\"{}\", script=\"column.py\", "
                 "arguments=[\"{}\"{}], connect_deadline_s=10, element=[{{name=\"column\", "

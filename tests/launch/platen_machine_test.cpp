@@ -212,6 +212,9 @@ TEST(ThreeDimensionsExample, KeepsTheSpecimenLoadedAfterATrip) {
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find(" s: vert: displacement of the command and a stop "), std::string::npos)
       << run.err;
+  const auto report = test::content_of(folder.path() / "report.json");
+  EXPECT_NE(report.find("displacement of the command and a stop from it of vert is "),
+            std::string::npos);
   const auto force =
       recording::Reader{folder.path() / "run.h5"}.signal("monitor.srmd.true.force.vert");
   // Weight 9.7 MN; the structure commands 3.2 to 14.6 MN in the whole test.

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/recording/recording.hpp>
+#include <rths/report/report.hpp>
 
 #include "report/src/analysis.hpp"
 #include "report/src/numbers.hpp"
@@ -76,11 +77,12 @@ adapter = "srmd"
 /// A recording of 100 rows, in which the operator sets a gain at 0.04 s.
 class Recorded {
  public:
-  explicit Recorded(recording::NamedTexts meta, const std::string& overrides = "") {
+  explicit Recorded(recording::NamedTexts meta, const std::string& overrides = "",
+                    const std::string& experiment = kExperiment) {
     const memmap::Map map = map_with_a_parameter();
     meta.emplace_back("experiment", "shake.toml");
     meta.emplace_back("experiment_path", "my tests/shake.toml");
-    recording::RecordingInfo info{{{"shake.toml", kExperiment}}, meta, {{"machine", 1}}};
+    recording::RecordingInfo info{{{"shake.toml", experiment}}, meta, {{"machine", 1}}};
     if (!overrides.empty()) info.config.emplace_back(recording::kOverridesText, overrides);
     std::vector<SignalId> signals;
     for (std::uint32_t i = 0; i < map.signals().size(); ++i) signals.push_back(SignalId{i});
@@ -123,6 +125,54 @@ TEST(Description, QuotesTheExperimentOfTheRecording) {
   EXPECT_TRUE(says(analysis, "differs in: specimen.lead_heating (off)."));
   EXPECT_TRUE(says(analysis, "Tested axis: long."));
   EXPECT_TRUE(says(analysis, "varies the vertical load"));
+}
+
+// An experiment with only these nodes, by their adapters.
+Analysis described_with(const std::string& nodes, const std::string& more = "[motion]\n") {
+  return Recorded{{}, "", "name = \"shake\"\n" + more + nodes}.described();
+}
+
+TEST(Description, IsOfModelsWhereAModelPlaysTheMachine) {
+  for (const std::string machine : {"srmd", "ideal_machine", "echo", "opensees_specimen"}) {
+    const Analysis analysis = described_with(
+        "[node.opf]\nadapter = \"external\"\n[node.xpc]\nadapter = \"" + machine + "\"\n");
+    EXPECT_TRUE(analysis.synthetic) << machine;
+    EXPECT_TRUE(says(analysis, "No value was measured in a laboratory.")) << machine;
+  }
+}
+
+TEST(Description, IsOfModelsWhereOnlyTheSolverIsTheUsersOwn) {
+  const Recorded recorded{{}, "node.opf={adapter=\"external\"}\n"};
+
+  EXPECT_TRUE(recorded.described().synthetic);
+  EXPECT_TRUE(is_of_models(recorded.reader()).value_or(false));
+}
+
+TEST(Description, SaysThatAMachineOfTheUsersOwnMayBeReal) {
+  for (const std::string adapter : {"external", "plugin", "fmu"})
+    for (const std::string node : {"srmd", "xpc"}) {
+      const Analysis analysis = described_with("[node.opf]\nadapter = \"numerical\"\n[node." +
+                                               node + "]\nadapter = \"" + adapter + "\"\n");
+      EXPECT_FALSE(analysis.synthetic) << adapter << node;
+      EXPECT_TRUE(says(analysis, "Node " + node + " with adapter " + adapter +
+                                     " represents specimen and machine. It is the user's own and "
+                                     "may drive a real machine."))
+          << adapter << node;
+    }
+}
+
+TEST(Description, SaysThatAnIdealMachineHasNoVerticalAxis) {
+  const Analysis analysis =
+      described_with("[node.xpc]\nadapter = \"ideal_machine\"\n", "[motion]\ncolumn_vert = 3\n");
+
+  EXPECT_TRUE(says(analysis, "does not vary the vertical load of the bearing."));
+}
+
+TEST(Description, NamesCommandedDisplacementsWhereThereIsNoEarthquake) {
+  const Analysis analysis =
+      described_with("[node.srmd]\nadapter = \"srmd\"\n", "[targets]\nkind = \"sine\"\n");
+
+  EXPECT_EQ(analysis.motion, "commanded displacements");
 }
 
 TEST(Description, HasTheCommandThatRepeatsTheRun) {

@@ -52,6 +52,27 @@ TEST(Numbers, HaveNoRawDelayWhereNoneWasMeasured) {
   EXPECT_TRUE(numbers_of(analysis)["axes"]["long"]["delay_raw_ms"].is_null());
 }
 
+TEST(Numbers, HoldTheDelayOfLargestMagnitudeWithItsSign) {
+  Analysis analysis = run_with(0);
+  analysis.axes[0].tracking.delay.values = {0.002, -0.03, std::nan(""), 0.01};
+
+  const Json axis = numbers_of(analysis)["axes"]["long"];
+
+  EXPECT_EQ(axis["delay_in_windows_max_ms"], -30);
+  EXPECT_EQ(axis["delay_in_windows_median_ms"], 2);
+  EXPECT_NE(summary_of(analysis).find("median over 2 s windows 2.0)"), std::string::npos);
+}
+
+TEST(Numbers, HaveNoDelayInWindowsWhereThereIsNoWindow) {
+  const Analysis analysis = run_with(0);
+
+  const Json axis = numbers_of(analysis)["axes"]["long"];
+
+  EXPECT_TRUE(axis["delay_in_windows_max_ms"].is_null());
+  EXPECT_TRUE(axis["delay_in_windows_median_ms"].is_null());
+  EXPECT_NE(summary_of(analysis).find("median over 2 s windows –)"), std::string::npos);
+}
+
 TEST(Numbers, HoldEveryKeyOfAReport) {
   const Json numbers = numbers_of(run_with(3));
 

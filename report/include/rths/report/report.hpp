@@ -2,9 +2,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include <rths/recording/recording.hpp>
 #include <rths/report/judgement.hpp>
 
 namespace rths::report {
@@ -34,5 +36,11 @@ struct ReportOutcome {
 [[nodiscard]] ReportOutcome make_report(const std::filesystem::path& folder,
                                         std::vector<Broken> broken,
                                         const std::filesystem::path& beside = {});
+
+/// Whether specimen and machine of a run are models of this project. A program, plugin or FMU of
+/// the user's own that represents them may drive a real machine. A program that is only the solver
+/// does not matter.
+/// @returns nothing if the recording holds no experiment   @throws Error as recording::roles_of
+[[nodiscard]] std::optional<bool> is_of_models(const recording::Reader& run);
 
 }  // namespace rths::report
