@@ -20,12 +20,14 @@
 #include <rths/launch/run.hpp>
 #include <rths/plugin/conformance.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/replicated/scenario.hpp>
 #include <rths/report/judgement.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/machine/platen_machine.hpp>
+#include <rths/verdict/plan.hpp>
 
 #include "commands.hpp"
 
@@ -73,6 +75,7 @@ int check_bearing(const std::string& file, const Config& config) {
 
 int check_case(const std::string& file) {
   const auto c = diagnosis::load_case(file);
+  diagnosis::check_model(c);
   fmt::print("{}: case '{}', {} records, model of kind '{}'\n", file, c.name, c.records.size(),
              c.model.kind);
   return kOk;
@@ -119,6 +122,13 @@ int check_limits(const std::string& file) {
   return kOk;
 }
 
+int check_scenario(const std::string& file) {
+  const auto scenario = replicated::load_scenario(file);
+  fmt::print("{}: scenario of {} cards, {:g} µs\n", file, scenario.names.size(),
+             replicated::to_ns(scenario.duration) * 1e-3);
+  return kOk;
+}
+
 // The built-in diagram with the most blocks of which the file has a table; empty if none has one.
 std::filesystem::path diagram_with(const Config& constants) {
   std::filesystem::path found;
@@ -153,6 +163,7 @@ int check_toml(const std::string& file) {
   if (config.has("diagram")) return check_diagram(file);
   if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("record") || config.has("channels") || config.has("run")) return check_case(file);
+  if (config.has("node") && !config.is_table("node")) return check_scenario(file);
   if (config.has("format") || config.has("node")) return check_experiment(file);
   if (config.has("safety") && !config.is_table("safety")) return check_limits(file);
   if (config.has("machine") && !config.is_table("machine")) return check_machine(file, config);
@@ -163,7 +174,8 @@ int check_toml(const std::string& file) {
       file +
       ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
       "diagram), bearing, machine, safety (limits), record or run (case of a diagnosis), format "
-      "(experiment), specimen and machine (improved model), or tables of blocks (constants)"};
+      "(experiment; scenario of cards), specimen and machine (improved model), or tables of blocks "
+      "(constants)"};
 }
 
 int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {

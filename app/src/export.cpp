@@ -9,6 +9,7 @@
 
 #include "commands.hpp"
 #include "patterns.hpp"
+#include "write_file.hpp"
 
 namespace rths::app {
 
@@ -21,6 +22,7 @@ int export_table(const ExportArguments& arguments) {
   std::error_code ignored;
   if (std::filesystem::equivalent(source, target, ignored))
     throw Error{target.string() + ": is the recording itself, expected another file (--out)"};
+  check_target(target);
   const auto excerpt = recording::make_excerpt(reader, selected(reader.names(), arguments.patterns),
                                                arguments.from, arguments.to);
   if (arguments.format == "mat")

@@ -8,9 +8,12 @@
 #include <system_error>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -72,6 +75,17 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                held_out ? &*held_out : nullptr);
 }
 
+// Why the experiment of a run cannot be repeated; empty: its file is as it was.
+std::string find_change(const recording::Reader& run, const std::filesystem::path& file) {
+  if (!std::filesystem::exists(file))
+    return fmt::format("There is no mismatch budget of the response: {} is missing.",
+                       file.string());
+  if (read_file(file, kMostTextBytes) != run.config(file.filename().string()))
+    return fmt::format("There is no mismatch budget of the response: {} has changed since the run.",
+                       file.string());
+  return "";
+}
+
 // Companions of earlier versions have no mark.
 bool is_companion(const std::filesystem::path& recording,
                   const std::map<std::string, std::string>& meta) {
@@ -126,7 +140,11 @@ void add_mismatch_budget(const std::filesystem::path& recording,
     return;
   }
   const auto path = meta.find("experiment_path");
-  if (path == meta.end() || !std::filesystem::exists(path->second)) return;
+  if (path == meta.end()) return;
+  if (const auto trouble = find_change(run, path->second); !trouble.empty()) {
+    verdict.limits.push_back(trouble);
+    return;
+  }
   launch::Overrides changes;
   std::istringstream lines{run.config(recording::kOverridesText)};
   for (std::string line; std::getline(lines, line);)
