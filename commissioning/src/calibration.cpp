@@ -59,6 +59,9 @@ Spectra spectra_of(const std::vector<AxisCharacter>& records, double delay) {
   Spectra spectra;
   for (const auto& record : records) {
     const auto length = static_cast<Eigen::Index>(std::llround(kSegment / record.interval));
+    if (spectra.power.size() > 0 && spectra.power.size() != length / 2 + 1)
+      throw Error{fmt::format("calibration: rows every {} s and every {} s, expected one interval",
+                              records.front().interval, record.interval)};
     const auto moved = static_cast<std::size_t>(std::max(0L, std::lround(delay / record.interval)));
     spectra.spacing = 1 / (static_cast<double>(length) * record.interval);
     for (std::size_t begin = 0;

@@ -74,8 +74,8 @@ constexpr Quantity kQuantities[] = {
     {"accelerometer's delay", "acceleration_delay_ms", "ms", &TableForce::accelerometer_delay, 1e3},
     {"displacement's lead", "displacement_lead_ms", "ms", &TableForce::displacement_lead, 1e3}};
 
-// A key of a block: values by axis in the order long, lat; an axis before the last identified one
-// may be missing.
+// A key of a block: values by axis in the order long, lat. Without a test along long, its value is
+// that of lat: a key cannot omit it.
 template <class Value>
 std::string key_of(const EmptyTableRuns& runs, const char* key, Value value) {
   double values[2] = {0, 0};
@@ -85,6 +85,7 @@ std::string key_of(const EmptyTableRuns& runs, const char* key, Value value) {
     values[i] = value(axis.fit.machine);
     count = std::max(count, i + 1);
   }
+  if (count == 2 && runs.axes.size() == 1) values[0] = values[1];
   return count == 2 ? fmt::format("{} = [{:.6g}, {:.6g}]\n", key, values[0], values[1])
                     : fmt::format("{} = [{:.6g}]\n", key, values[0]);
 }

@@ -20,13 +20,16 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kNames[] = {"long", "lat"};
-constexpr int kAmplitudes = 8;            // from a thousandth of the peak to the peak
-constexpr double kSmallest = 1e-3;        // of the peak
-constexpr double kLoopFrequency = 1;      // of describing functions [Hz]
-constexpr double kWorstMachine = 0.3;     // error of the identified machine over that of none
-constexpr double kSearchedDelay = 0.2;    // [s]
-constexpr double kLeastReference = 1e-4;  // RMS of a reference that identifies a machine [m]
-constexpr std::uint64_t kRuns = 8;        // of the closed loop
+constexpr const char* kImposed = "imposed.h5";
+constexpr const char* kClosedLoop = "closed_loop.h5";
+constexpr const char* kOther = "other.h5";  // of the other closed loops, one after the other
+constexpr int kAmplitudes = 8;              // from a thousandth of the peak to the peak
+constexpr double kSmallest = 1e-3;          // of the peak
+constexpr double kLoopFrequency = 1;        // of describing functions [Hz]
+constexpr double kWorstMachine = 0.3;       // error of the identified machine over that of none
+constexpr double kSearchedDelay = 0.2;      // [s]
+constexpr double kLeastReference = 1e-4;    // RMS of a reference that identifies a machine [m]
+constexpr std::uint64_t kRuns = 8;          // of the closed loop
 constexpr std::uint64_t kSeedOffset = 1'000'003;  // between their seeds
 constexpr double kHoldPeriods = 0.5;              // of the controller: its reference is held
 
@@ -179,7 +182,7 @@ class Steps {
   void begin(const std::string& step) const {
     if (settings_.begins) settings_.begins(step);
   }
-  [[nodiscard]] std::filesystem::path imposed() const { return settings_.folder / "imposed.h5"; }
+  [[nodiscard]] std::filesystem::path imposed() const { return settings_.folder / kImposed; }
 
   bool check_path() {
     begin("the path with an imposed motion");
@@ -271,7 +274,7 @@ class Steps {
   void close_loop() {
     const launch::Experiment closed = with_machine_of_loop();
     begin("the closed loop with " + result_.loop_machine);
-    const auto first = settings_.folder / "closed_loop.h5", other = settings_.folder / "other.h5";
+    const auto first = settings_.folder / kClosedLoop, other = settings_.folder / kOther;
     if (!close_loop(closed, 0, first)) return;
     const recording::Reader run{first};
     result_.broken = report::judge(run);
@@ -321,6 +324,10 @@ Pretest pretest(const launch::Experiment& experiment, const PretestSettings& set
                 ": a node is a program of your own, which has no virtual time"};
   if (experiment.history)
     throw Error{experiment.file.string() + ": has [targets], expected a closed loop"};
+  for (const char* name : {kImposed, kClosedLoop, kOther})
+    if (const auto file = settings.folder / name; std::filesystem::exists(file))
+      throw Error{file.string() +
+                  ": exists, expected a folder without recordings of an earlier pretest"};
   return Steps{experiment, settings}.all();
 }
 

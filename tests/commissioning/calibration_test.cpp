@@ -80,6 +80,15 @@ TEST(Calibration, SplitsTheLagBetweenFeedForwardAndCompensator) {
   EXPECT_NEAR(toml.table("feed_forward").number("velocity_gain_s"), 0.015, 1e-9);
 }
 
+TEST(Calibration, RefusesRecordsOfDifferentIntervals) {
+  const AxisCharacter fine = machine_record(1, 0.05, 0.001, 0, 1);
+  AxisCharacter coarse = fine;
+  coarse.interval = 2 * kInterval;
+
+  EXPECT_THROW((void)calibrate_axis({fine, coarse}, {kBandHz[0], kBandHz[1], 0.3}), Error);
+  EXPECT_THROW((void)calibrate_axis({coarse, fine}, {kBandHz[0], kBandHz[1], 0.3}), Error);
+}
+
 TEST(Calibration, RefusesRecordsWithoutMotionInTheBand) {
   AxisCharacter still;
   still.reference.assign(20'000, 0);

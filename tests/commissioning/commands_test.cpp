@@ -180,6 +180,7 @@ TEST(CommandedDisplacements, RefuseWrongKeys) {
   };
   expect("targets.kind=wave", "expected harmonic, sweep, noise, response or file");
   expect("targets.frequencies_Hz=[0.1, 99]", "has 99, expected 0.01 to 20");
+  expect("targets={kind=\"response\"}", "motion");
   expect("targets.amplitude_m=[0.1]", "has 1 numbers, expected two");
   expect("targets.cycles=100", "the bursts take");
   expect("targets.hue=3", "unknown key 'hue'");
@@ -298,6 +299,19 @@ TEST(PretestCommand, KeepsTheMachineOfATestThatControlsTheVerticalForce) {
 
   EXPECT_EQ(found["loop_machine"],
             "the machine of the experiment, because the test controls the vertical force");
+}
+
+TEST(PretestCommand, KeepsTheRecordingsOfAnEarlierOne) {
+  for (const char* name : {"imposed.h5", "closed_loop.h5", "other.h5"}) {
+    const test::TemporaryFolder folder;
+    const auto earlier = folder.write(name, "earlier");
+    auto arguments = pretest_of(kShort);
+    arguments.insert(arguments.end(), {"--out", folder.path().string()});
+
+    expect_refused(arguments, std::string{name} + ": exists, expected a folder without");
+
+    EXPECT_EQ(test::content_of(earlier), "earlier");
+  }
 }
 
 // The actuator of a simulated machine stands for the axis, which is identified.
