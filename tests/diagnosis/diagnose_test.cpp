@@ -199,12 +199,13 @@ TEST(Diagnosis, LimitsItselfToTheStatesOfAllRecords) {
 TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
   Case c = case_of({});
   for (auto& record : c.records)
-    record.channels.push_back(
-        {"displacement.vertical", "m", std::vector<double>(record.samples())});
+    for (const char* role : {"command.long", "displacement.vertical"})
+      record.channels.push_back({role, "m", std::vector<double>(record.samples())});
 
   const Verdict verdict = diagnose(c);
 
-  EXPECT_TRUE(has_limit(verdict, "Not used by a model of kind 'platen': displacement.vertical."));
+  EXPECT_TRUE(has_limit(
+      verdict, "Not used by a model of kind 'platen': command.long, displacement.vertical."));
   EXPECT_TRUE(has_limit(verdict, "motion to force: errors are those of signals below 25 Hz"));
   EXPECT_FALSE(has_limit(verdict, "Check its unit"));
   EXPECT_TRUE(verdict.noise_remedy.empty());

@@ -21,7 +21,6 @@ using Eigen::VectorXd;
 constexpr double kSeparates = 12;       // [nat]: gain that separates two terms
 constexpr std::size_t kTried = 4;       // tests with the specimen that are scored with a refit
 constexpr std::size_t kTriedEmpty = 2;  // the same on the empty table
-constexpr std::size_t kMostRivals = 3;  // of a tie
 constexpr double kCertain = 100;        // [standard deviations]: larger separations say no more
 
 // Distance of two predictions with this expected gain.

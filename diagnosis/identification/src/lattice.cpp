@@ -70,4 +70,11 @@ std::vector<Lattice> coarse_lattices(const std::vector<const Record*>& records) 
   return found;
 }
 
+std::vector<std::pair<std::string, double>> rounding_of(const std::vector<Lattice>& lattices) {
+  std::vector<std::pair<std::string, double>> added;
+  for (const auto& lattice : lattices)
+    added.emplace_back(lattice.role, lattice.step / std::sqrt(12.0));
+  return added;
+}
+
 }  // namespace rths::diagnosis

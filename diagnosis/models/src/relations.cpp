@@ -153,15 +153,22 @@ void allow_half_a_sample(Hypothesis& base, double time_step) {
   }
 }
 
-bool has_stage(const Case& c, Stage stage) {
-  const auto terms = sim::read_terms(c.model.table.without("bounds"));
-  return std::any_of(terms.begin(), terms.end(),
-                     [&](const auto& term) { return sim::term_kind(term.kind).stage == stage; });
-}
-
 }  // namespace
 
+bool has_actuator(const Case& c) {
+  if (c.model.kind == "servo_axis") return true;
+  const auto terms = sim::read_terms(c.model.table.without("bounds"));
+  return std::any_of(terms.begin(), terms.end(), [](const auto& term) {
+    return sim::term_kind(term.kind).stage == Stage::Actuator;
+  });
+}
+
 void check_fitted(const Case& c) {
+  const std::vector<std::string> keys{"kind", "fitted", "bounds"};
+  for (const auto& key : c.model.table.keys())
+    if (!c.model.table.is_table(key) && std::find(keys.begin(), keys.end(), key) == keys.end())
+      c.model.table.fail(key,
+                         fmt::format("unknown key '{}'{}", key, did_you_mean_one_of(key, keys)));
   std::vector<std::string> known;
   const auto add = [&](const std::string& name) {
     if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
@@ -197,7 +204,7 @@ std::unique_ptr<Relation> accelerometer_relation(const Case& c,
 
 std::unique_ptr<Relation> actuator_relation(const Case& c,
                                             const std::vector<std::string>& without) {
-  if (c.model.kind != "servo_axis" && !has_stage(c, Stage::Actuator)) return nullptr;
+  if (!has_actuator(c)) return nullptr;
   CompositionSetup setup{"command to displacement",
                          Part::Actuator,
                          {"command", "displacement", false, true},

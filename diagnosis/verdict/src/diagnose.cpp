@@ -118,14 +118,6 @@ void correct(const Investigation& found, Case& c) {
   }
 }
 
-// Rounding is identified in the samples. Its contribution to the noise is not physics.
-std::vector<std::pair<std::string, double>> rounding_of(const std::vector<Lattice>& lattices) {
-  std::vector<std::pair<std::string, double>> added;
-  for (const auto& lattice : lattices)
-    added.emplace_back(lattice.role, lattice.step / std::sqrt(12.0));
-  return added;
-}
-
 std::string quantisation_of(const Lattice& lattice) {
   return lattice.role.substr(0, lattice.role.find('.')) + "_quantisation";
 }
@@ -258,10 +250,13 @@ void propose(const NextTest& next, Verdict& verdict) {
     }
   for (const auto* round : next.inseparable)
     if (const Cause* cause = cause_of(*round, verdict))
-      verdict.limits.push_back(
-          fmt::format("No known test within {} times the recorded amplitude, rate and acceleration "
-                      "separates {} from its alternatives.",
-                      kReach, cause->name));
+      verdict.limits.push_back(fmt::format(
+          "No known test within {} times the recorded amplitude, rate and acceleration "
+          "separates {} from its alternatives{}.",
+          kReach, cause->name,
+          cause->alternatives.size() > kMostRivals
+              ? fmt::format("; {} of {} were examined", kMostRivals, cause->alternatives.size())
+              : ""));
 }
 
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the

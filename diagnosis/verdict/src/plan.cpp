@@ -48,6 +48,19 @@ std::vector<std::unique_ptr<Relation>> relations_of(const Case& c,
   return relations;
 }
 
+std::vector<std::unique_ptr<Relation>> checked_relations(const Case& c,
+                                                         const std::vector<std::string>& without) {
+  reject_unknown_terms(without, c);
+  if (is_composition(c.model.kind)) check_fitted(c);
+  check_records(c);
+  auto relations = relations_of(c, without);
+  for (const auto& relation : relations) check_outputs(*relation, moving_records(c));
+  if (relations.empty())
+    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
+                            c.model.kind)};
+  return relations;
+}
+
 std::vector<Plan::PlannedRecord> records_of(const Case& c, const Split& split) {
   std::vector<Plan::PlannedRecord> planned;
   for (const auto& record : c.records) {
@@ -292,13 +305,13 @@ Plan::Examined examined(const Relation& relation, const Split& split, const Sens
 
 }  // namespace
 
+void check_model(const Case& c) { static_cast<void>(checked_relations(c, {})); }
+
 Plan plan(const Case& c, const DiagnosisOptions& options) {
-  reject_unknown_terms(options.without, c);
-  if (is_composition(c.model.kind)) check_fitted(c);
-  check_records(c);
+  const auto relations = checked_relations(c, options.without);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);
-  const SensorNoise noise{noisy, c.noise};
+  const SensorNoise noise{noisy, c.noise, rounding_of(coarse_lattices(moving_records(c)))};
   const Split split = split_of(c.records);
   Plan plan;
   plan.case_name = c.name;
@@ -308,15 +321,11 @@ Plan plan(const Case& c, const DiagnosisOptions& options) {
   if (!noise.was_seen_at_rest()) plan.noise_remedy = remedy_for_noise(c);
   plan.limits = limits_of_channels(c);
   if (split.held.empty()) plan.limits.emplace_back("No record is held out for a proof.");
-  for (const auto& relation : relations_of(c, options.without)) {
-    check_outputs(*relation, moving_records(c));
+  for (const auto& relation : relations) {
     plan.relations.push_back(examined(*relation, split, noise, options.seed));
     for (auto& opposed : opposed_outputs(*relation, moving_records(c)))
       plan.limits.push_back(std::move(opposed));
   }
-  if (plan.relations.empty())
-    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
-                            c.model.kind)};
   return plan;
 }
 

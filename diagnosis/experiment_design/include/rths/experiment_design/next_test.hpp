@@ -27,6 +27,9 @@ struct SeparatingTest {
   double sigma = 0;  ///< separation [standard deviations]
 };
 
+/// Tests are sought for so many candidates of a tie, those with the fewest parameters.
+inline constexpr std::size_t kMostRivals = 3;
+
 /// The proposed next test.
 struct NextTest {
   std::string text;  ///< empty: none

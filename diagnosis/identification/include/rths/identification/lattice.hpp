@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rths/identification/record.hpp>
@@ -19,5 +20,9 @@ struct Lattice {
 /// Channels whose samples repeat or jump by whole steps, with a step of at least 0.005 of the
 /// channel's standard deviation.
 [[nodiscard]] std::vector<Lattice> coarse_lattices(const std::vector<const Record*>& records);
+
+/// Standard deviation of the rounding error of each such channel, by role. It adds to the noise.
+[[nodiscard]] std::vector<std::pair<std::string, double>> rounding_of(
+    const std::vector<Lattice>& lattices);
 
 }  // namespace rths::diagnosis

@@ -10,9 +10,12 @@
 
 namespace rths::diagnosis {
 
-/// Checks the names of fitted parameters of a bearing, platen or axis.
+/// Checks the keys of a model of a bearing, platen or axis, and the names of its fitted parameters.
 /// @throws Error file:line:column, with the nearest known name   @setup
 void check_fitted(const Case& c);
+
+/// Whether the model has an actuator, which predicts displacements from commands.   @setup
+[[nodiscard]] bool has_actuator(const Case& c);
 
 /// Displacement ↔ acceleration, for each axis that has both; null if none has.
 [[nodiscard]] std::unique_ptr<Relation> accelerometer_relation(

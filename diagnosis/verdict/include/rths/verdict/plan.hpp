@@ -24,7 +24,7 @@ struct Plan {
     std::string parameter, unit;
     double size = 0;         ///< of `parameter`: typical [unit]
     double information = 0;  ///< of the part that the fitted parameters cannot reproduce [nat]
-    /// Size at which the information is kDetectable, by a power law; 0: not known [unit].
+    /// Size at which the information is kDetectable, by secants; 0: not known [unit].
     double smallest = 0;
   };
   /// An effect that another one can imitate.
@@ -54,6 +54,10 @@ struct Plan {
 /// An effect is detectable from this information on; two are distinguishable from that one on
 /// [nat].
 inline constexpr double kDetectable = 25, kDistinguishable = 12;
+
+/// Checks the records and the model of a case as `diagnose` does before the first fit.
+/// @throws Error   @setup
+void check_model(const Case& c);
 
 /// Plans the diagnosis of a case: effects that it can find, in the motion and the noise of its
 /// records, around the model as stated.
