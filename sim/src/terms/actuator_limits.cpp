@@ -127,8 +127,7 @@ struct ValveDeadband {
 struct LoadCompliance {
   static constexpr std::string_view kName = "load_compliance";
   static constexpr std::string_view kTitle = "compliance of the actuator under load";
-  static constexpr std::string_view kEquation =
-      "u = command - chi F,  F through T^2 F'' + 2 T F' + F";
+  static constexpr std::string_view kEquation = "u = command - chi f,  T^2 f'' + 2 T f' + f = F";
   static constexpr std::string_view kSource = "textbook; solution: docs/theory/machine_terms.md";
   static constexpr Stage kStage = Stage::Actuator;
   static constexpr unsigned kTraits = kPerAxis;

@@ -83,7 +83,7 @@ struct LeadHeating {
   static constexpr std::string_view kTitle = "lead-core heating";
   static constexpr std::string_view kEquation =
       "Q = Q_0 exp(-c T),  C h dT/dt = F_h.v/(pi a^2) - q_ends - (t_s/a) q_shims;  "
-      "T = each flux convolved with its face's step response";
+      "T = each flux convolved with the rate of its face's step response";
   static constexpr std::string_view kSource =
       "Kalpakidis & Constantinou 2009; Duhamel's integral for any history";
   static constexpr Stage kStage = Stage::Modifier;

@@ -45,7 +45,7 @@ struct TabulatedSpring {
   static constexpr std::string_view kName = "tabulated_stiffness";
   static constexpr std::string_view kTitle = "force given by a table of the displacement";
   static constexpr std::string_view kEquation =
-      "F = f(u), linear between 9 knots at -1, -3/4 ... 1 times the range";
+      "F = f(u), linear between 9 knots at -1, -3/4 ... 1 times the range, constant beyond";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
@@ -64,7 +64,8 @@ struct TabulatedDamper {
   static constexpr std::string_view kName = "tabulated_damping";
   static constexpr std::string_view kTitle = "force given by a table of the velocity";
   static constexpr std::string_view kEquation =
-      "F = f(v), linear between 9 knots at 0, ±0.05, ±0.2, ±0.5, ±1 times the range";
+      "F = f(v), linear between 9 knots at 0, ±0.05, ±0.2, ±0.5, ±1 times the range, constant "
+      "beyond";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
@@ -83,7 +84,8 @@ struct TabulatedFriction {
   static constexpr std::string_view kName = "tabulated_friction";
   static constexpr std::string_view kTitle = "friction given by a table of the displacement";
   static constexpr std::string_view kEquation =
-      "F = g(u) tanh(v / v_0), g linear between 9 knots at -1, -3/4 ... 1 times the range";
+      "F = g(u) tanh(v / v_0), g linear between 9 knots at -1, -3/4 ... 1 times the range, "
+      "constant beyond";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;
@@ -109,7 +111,7 @@ struct TabulatedViscosity {
   static constexpr std::string_view kName = "tabulated_viscosity";
   static constexpr std::string_view kTitle = "viscosity given by a table of the displacement";
   static constexpr std::string_view kEquation =
-      "F = c(u) v, c linear between 9 knots at -1, -3/4 ... 1 times the range";
+      "F = c(u) v, c linear between 9 knots at -1, -3/4 ... 1 times the range, constant beyond";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Restoring;
   static constexpr unsigned kTraits = kPerAxis;

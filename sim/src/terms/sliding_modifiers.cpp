@@ -74,7 +74,7 @@ struct FrictionHeating {
   static constexpr std::string_view kEquation =
       "mu = mu_20 (r + (1 - r) exp(-(T - 20)/T_s)),  T = 20 + T_air + share sqrt(D/pi)/k int "
       "q/sqrt(s),"
-      "  q = F.v/A while |u| < sqrt(A)/2";
+      "  q = max(0, F.v)/A while |u| < sqrt(A)/2";
   static constexpr std::string_view kSource = "Kumar, Whittaker & Constantinou 2015";
   static constexpr Stage kStage = Stage::Modifier;
   static constexpr unsigned kTraits = kFrameIndifferent;

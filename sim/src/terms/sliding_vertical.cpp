@@ -7,7 +7,7 @@ namespace {
 struct PendulumLift {
   static constexpr std::string_view kName = "pendulum_lift";
   static constexpr std::string_view kTitle = "lift of a pendulum bearing";
-  static constexpr std::string_view kEquation = "w = w - |u|^2/(2 R)";
+  static constexpr std::string_view kEquation = "w = w - |u|^2/(2 R),  dw/dt = dw/dt - u.v/R";
   static constexpr std::string_view kSource = "sphere, small slopes";
   static constexpr Stage kStage = Stage::Vertical;
   static constexpr unsigned kTraits = kFrameIndifferent;
@@ -29,7 +29,8 @@ struct MultilinearAxial {
   static constexpr std::string_view kName = "multilinear_axial";
   static constexpr std::string_view kTitle = "multilinear elastic and viscous axial spring";
   static constexpr std::string_view kEquation =
-      "N = K1 e + (K2 - K1) max(0, e - e1) + (K3 - K2) max(0, e - e2) + c de/dt >= 0,  e = -w > 0; "
+      "N += K1 e + (K2 - K1) max(0, e - e1) + (K3 - K2) max(0, e - e2) + c de/dt >= 0,  e = -w > "
+      "0; "
       "K_t e in tension";
   static constexpr std::string_view kSource = "paper's axial model; corners ours";
   static constexpr Stage kStage = Stage::Vertical;
