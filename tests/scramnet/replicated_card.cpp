@@ -26,8 +26,13 @@ memmap::Map ReplicatedCard::map() {
   description.size_longwords = 2 * kPage;
   description.nodes = {
       {"controller", NodeId{1}, ""}, {"machine", NodeId{2}, ""}, {"watcher", NodeId{3}, ""}};
-  description.partitions = {words_of("machine", 0, 128), words_of("controller", kOther, kOthers),
-                            words_of("watcher", 300, 4), words_of("machine", kPage, 128),
+  memmap::Partition group = words_of("controller", kGroup, kGroupLongwords);
+  group.tear_group = true;
+  description.partitions = {words_of("machine", 0, 128),
+                            words_of("controller", kOther, kOthers),
+                            words_of("watcher", 300, 4),
+                            group,
+                            words_of("machine", kPage + kWord, 128 - kWord),
                             words_of("controller", kOtherOnPage, 128)};
   return memmap::Map{description};
 }

@@ -2,7 +2,9 @@
 //
 // The vendor's calls of this process on a replicated ring: ACR, filter, paging, counter, and cards
 // that processes share.
+#include <array>
 #include <chrono>
+#include <string>
 
 #include "replicated_card.hpp"
 
@@ -94,6 +96,21 @@ TEST_F(ReplicatedCard, MapsItsWindowToAPageOfTheRing) {
   EXPECT_EQ(sp_set_vp(VP_SET, 2), -1);  // beyond the ring
   EXPECT_EQ(sp_set_vp(VP_RESET, 0), 0);
   EXPECT_EQ(load(kWord), 3U);
+}
+
+// A card stores the words of a message that are in its window.
+TEST_F(ReplicatedCard, ShowsThePartOfATearGroupThatItsPageHas) {
+  const TearGroupId group = controllers_ring->tear_group("controller" + std::to_string(kGroup));
+  const std::array<std::uint32_t, kGroupLongwords> first{1, 2, 3, 4, 5, 6, 7, 8},
+      second{11, 12, 13, 14, 15, 16, 17, 18};
+  ASSERT_EQ(sp_set_vp(VP_SET, 1), 1);
+  ASSERT_EQ(controller->write_group(group, first), Status::Ok);
+  EXPECT_TRUE(comes(3, 8));
+  EXPECT_EQ(load(0), 5U);
+  ASSERT_EQ(sp_set_vp(VP_RESET, 0), 0);
+  ASSERT_EQ(controller->write_group(group, second), Status::Ok);
+  EXPECT_TRUE(comes(kGroup + 3, 14));
+  EXPECT_EQ(load(kGroup), 11U);
 }
 
 TEST_F(ReplicatedCard, CountsTheMessagesThatCome) {

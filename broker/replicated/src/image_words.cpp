@@ -105,12 +105,19 @@ void Images::State::arrive(std::uint32_t at, std::uint32_t origin, std::uint32_t
     return;
   }
   const GroupUse& group = groups[words[longword].group];
-  if (longword + 1 != group.base + group.longwords) return;
   const SparseBytes& memory = cards.engine_->nodes()[at].memory;
+  const std::uint64_t begin_of_window = window(at), end_of_window = begin_of_window + memory.size();
+  const auto is_visible = [&](std::uint32_t i) {
+    const std::uint64_t address = (group.base + i) * std::uint64_t{4};
+    return address >= begin_of_window && address < end_of_window;
+  };
+  const std::uint32_t position_in_group = longword - group.base;
+  if (position_in_group + 1 < group.longwords && is_visible(position_in_group + 1)) return;
   group_words.clear();
   for (std::uint32_t i = 0; i < group.longwords; ++i)
-    group_words.push_back(
-        memory.get<std::uint32_t>((group.base + i) * std::uint64_t{4} - window(at)));
+    group_words.push_back(is_visible(i) ? memory.get<std::uint32_t>(
+                                              (group.base + i) * std::uint64_t{4} - begin_of_window)
+                                        : node->read(LongwordOffset{group.base + i}));
   static_cast<void>(node->write_group(group.id, group_words));
 }
 
