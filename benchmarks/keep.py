@@ -216,14 +216,19 @@ def opensees_comparison(file):
 
 
 def bench(name):
-    """`rths bench NAME`; stops if it misses its goal."""
-    return lambda rths: json.loads(
-        subprocess.run([rths, "bench", name, "--json"], capture_output=True, text=True, check=True).stdout)
+    """`rths bench NAME`; its `result` says whether it met its goals."""
+    def run(rths):
+        ran = subprocess.run([rths, "bench", name, "--json"], capture_output=True, text=True)
+        try:
+            return json.loads(ran.stdout)
+        except json.JSONDecodeError:
+            sys.exit(ran.stderr or f"{rths} bench {name} printed no result")
+    return run
 
 
 def main():
     makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": bench("card"),
-              "force": bench("force"), "adaptive": adaptive.adaptive,
+              "force": bench("force"), "vertical": bench("vertical"), "adaptive": adaptive.adaptive,
               "demo_seeds": demo_seeds.demo_seeds,
               "pretest": pretest.predictions,
               "srmd": lambda file: srmd(json.loads(pathlib.Path(file).read_text())),

@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Runs the example in three dimensions with both vertical controllers, in virtual time; rates vertical force and response."""
 import concurrent.futures
 import csv

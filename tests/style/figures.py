@@ -72,7 +72,23 @@ def missed_goals(ring):
             (row["value"] < row["goal"] if row["quantity"] in more_is_better else row["value"] > row["goal"])]
 
 
-DERIVED = {"benchmarks/results/ring.json": {"missed_goals": missed_goals}}
+def single_tests(results):
+    """How many of each test that was made once were completed: one that ended early has no delay."""
+    return {name: {"tests": 1, "completed": int("delay_ms" in test)} for name, test in results.items()
+            if isinstance(test, dict) and name != "machine" and "tests" not in test}
+
+
+DERIVED = {"benchmarks/results/ring.json": {"missed_goals": missed_goals},
+           "benchmarks/results/three_dimensions.json": {"single": single_tests}}
+
+
+def ladders_in(text):
+    """Rows {"name", …, {sizes}, size} of a test in C++: the size that is found, and the last one before it, which passes."""
+    ladders = {}
+    for name, sizes, found in re.findall(r'\{"(\w+)",.*\{([\d.e, -]+)\}, ([\d.e-]+)\}', text):
+        sizes = [float(size) for size in sizes.split(",")]
+        ladders[name] = {"found": float(found), "passed": sizes[sizes.index(float(found)) - 1]}
+    return ladders
 
 
 def load(root, name):
@@ -85,6 +101,8 @@ def load(root, name):
         return {"headings": len(re.findall(r"^### ", text, re.MULTILINE))}
     if path.suffix == ".toml":
         return tomllib.loads(text)
+    if path.suffix == ".cpp":
+        return ladders_in(text)
     document = json.loads(text)
     return document | {key: derive(document) for key, derive in DERIVED.get(name, {}).items()}
 
@@ -259,6 +277,8 @@ class Check:
                 self.problems.append(f"{BINDINGS}: {page['file']} has the constant '{entry}' {len(spans)} times, expected {times}")
 
     def check_coverage(self, page, text, covered):
+        if not page.get("complete"):
+            self.problems.append(f"{BINDINGS}: {page['file']} has no complete part")
         try:
             ranges = ranges_of(text, page)
         except Missing as title:

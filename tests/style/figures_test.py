@@ -40,6 +40,13 @@ class Pages(unittest.TestCase):
             with self.subTest(page=page["file"]):
                 self.change_digits(check, page)
 
+    def test_every_page_has_complete_parts(self):
+        check = Check()
+        for page in check.bindings["page"]:
+            text = (check.root / page["file"]).read_text()
+            self.assertTrue(any(character.isdecimal() for begin, end in ranges_of(text, page) for character in text[begin:end]),
+                            page["file"])
+
     def change_digits(self, check, page):
         def problems(text):
             check.texts, check.problems = {page["file"]: text}, []
@@ -90,6 +97,20 @@ class Tree(unittest.TestCase):
     def test_finds_a_number_that_is_not_bound(self):
         self.put("page.md", PAGE + "Ten is 10.\n")
         self.assertEqual(self.problems(), [f"page.md:5: 10 is bound to no result and is no constant in {BINDINGS}"])
+
+    def test_finds_a_page_without_complete_parts(self):
+        for changed in ('complete = []', ''):
+            self.put(BINDINGS, TABLE.replace('complete = "all"', changed))
+            self.assertEqual(self.problems(), [f"{BINDINGS}: page.md has no complete part"])
+
+    def test_binds_the_sizes_of_a_test(self):
+        self.put(BINDINGS, TABLE.replace("[without", 'sizes = {file = "a_test.cpp", made_by = "hand"}\n[without').replace(
+            "figures = [", 'figures = ["from {sizes.late.found:*1e3 g} ms, not {sizes.late.passed:*1e3 g} ms", '))
+        self.put("a_test.cpp", 'return {{"late", kForce, late, {0.003, 5e-3, 0.01}, 0.01},\n        {"dead", {kForce}, gain, 0, ""}};\n')
+        self.put("page.md", PAGE + "Found from 10 ms, not 5 ms.\n")
+        self.assertEqual(self.problems(), [])
+        self.put("page.md", PAGE + "Found from 10 ms, not 3 ms.\n")
+        self.assertEqual(self.problems(), ["page.md:5: found 3, expected 5 (sizes.late.passed in a_test.cpp)"])
 
     def test_finds_a_text_that_is_gone(self):
         self.put("page.md", PAGE.replace("A word", "Each word"))
