@@ -99,11 +99,29 @@ function(rths_compile_test target headers optimization)
   rths_use_precompiled(${target} ${headers})
 endfunction()
 
-# Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets.
+# Adds "<folder of tests/> <target>" to tests.txt, from which `./lab test FOLDER` takes its targets: for each folder with
+# tests among the sources. support/ serves all of them.
 function(rths_list_test target)
-  list(GET ARGN 0 first)
-  get_filename_component(first ${first} ABSOLUTE)
-  file(RELATIVE_PATH first ${PROJECT_SOURCE_DIR}/tests ${first})
-  string(REGEX REPLACE "/.*" "" folder ${first})
-  file(APPEND ${CMAKE_BINARY_DIR}/tests.txt "${folder} ${target}\n")
+  set(folders)
+  foreach(source IN LISTS ARGN)
+    get_filename_component(source ${source} ABSOLUTE)
+    file(RELATIVE_PATH source ${PROJECT_SOURCE_DIR}/tests ${source})
+    if(source MATCHES "^([^/]+)/.*_test\\.(cpp|py)$")
+      list(APPEND folders ${CMAKE_MATCH_1})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES folders)
+  list(REMOVE_ITEM folders support)
+  foreach(folder IN LISTS folders)
+    file(APPEND ${CMAKE_BINARY_DIR}/tests.txt "${folder} ${target}\n")
+  endforeach()
+endfunction()
+
+# rths_list_scripts(<folder> <suite>…): the same for tests without a program. The target rths_<suite>_test builds what
+# add_dependencies gives it; ctest runs <suite>.<test>.
+function(rths_list_scripts folder)
+  foreach(suite IN LISTS ARGN)
+    add_custom_target(rths_${suite}_test)
+    file(APPEND ${CMAKE_BINARY_DIR}/tests.txt "${folder} rths_${suite}_test\n")
+  endforeach()
 endfunction()
