@@ -108,6 +108,7 @@ bool is_same_layout(const Header& a, const Header& b) {
     header.looks = 0;
     header.is_replicated = 0;
     header.fault = 0;
+    header.watcher = 0;
     return header;
   };
   return layout(a) == layout(b);

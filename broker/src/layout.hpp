@@ -57,6 +57,7 @@ struct alignas(256) Header {
   std::uint64_t looks;          ///< that `rths watch` has completed
   std::uint64_t is_replicated;  ///< 1: each node has an image; see broker/replicated
   std::uint64_t fault;          ///< that a process asks the cards of these images for; 0: none
+  std::uint64_t watcher;        ///< claim of the process that watches the ring; 0: none
 
   bool operator==(const Header&) const = default;
 };

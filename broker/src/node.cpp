@@ -2,6 +2,8 @@
 //
 // The hot path. One writer per longword. Writing a word is a release store; writing a group stores
 // its record, then its words. Then the writer appends either to its journal.
+#include <unistd.h>
+
 #include <atomic>
 #include <memory>
 #include <utility>
@@ -92,7 +94,8 @@ struct Node::GroupAccess : GroupView {
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
     : segment_{&segment},
       words_{segment.words()},
-      slot_{claim_slot(segment, id ? id->value() : kObserver)} {
+      slot_{claim_slot(segment, id ? id->value() : kObserver)},
+      claim_{shared(segment.slots()[slot_].claim).load()} {
   shared(segment.slots()[slot_].plain)
       .store(!id && plain ? 1 : 0);  // become_plain() sets it for a node of the map
   shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
@@ -159,6 +162,7 @@ Node::Node(Node&& other) noexcept
     : segment_{std::exchange(other.segment_, nullptr)},
       words_{other.words_},
       slot_{other.slot_},
+      claim_{other.claim_},
       own_{std::move(other.own_)},
       groups_{std::move(other.groups_)},
       writer_{std::move(other.writer_)} {}
@@ -169,6 +173,7 @@ Node& Node::operator=(Node&& other) noexcept {
   segment_ = std::exchange(other.segment_, nullptr);
   words_ = other.words_;
   slot_ = other.slot_;
+  claim_ = other.claim_;
   own_ = std::move(other.own_);
   groups_ = std::move(other.groups_);
   writer_ = std::move(other.writer_);
@@ -179,11 +184,13 @@ Node::~Node() { leave(); }
 
 void Node::leave() noexcept {
   if (segment_ == nullptr) return;
+  Slot& slot = std::exchange(segment_, nullptr)->slots()[slot_];
+  Claim self = claim_;
+  // A forked child has a copy of its parent's node. Another process takes the slot of a dead one.
+  if (pid_of(self) != getpid() || shared(slot.claim).load() != self) return;
   if (writer_) writer_->journal.time(now());
-  Slot& slot = segment_->slots()[slot_];
   shared(slot.node).store(kNotYet);
-  shared(slot.claim).store(0);
-  segment_ = nullptr;
+  shared(slot.claim).compare_exchange_strong(self, 0);
 }
 
 std::uint32_t Node::read(LongwordOffset offset) const noexcept {

@@ -14,9 +14,11 @@ namespace {
 
 constexpr auto kCreatorTimeout = std::chrono::seconds{1};  // for a ring in creation
 
-void remove_if_abandoned(const std::string& name) {
+// @returns false if there is no ring of this name
+// @throws Error if it may not be replaced
+bool is_abandoned(const std::string& name) {
   const auto report = inspect_ring(name);
-  if (!report) return;
+  if (!report) return false;
   if (report->foreign) throw Error{report->trouble + "; choose another name"};
   std::string pids;
   for (const auto& occupant : report->occupants)
@@ -28,7 +30,17 @@ void remove_if_abandoned(const std::string& name) {
         name, pids.empty() ? "" : "; end", pids, name)};
   if (report->in_use())
     throw Error{fmt::format("ring '{}' is in use by{}; choose another name", name, pids)};
-  remove_ring(name);
+  return true;
+}
+
+// Several processes may replace the same ring at once. The lock is of an object, so the second look
+// is at the object that is removed.
+void remove_if_abandoned(const std::string& name) {
+  if (!is_abandoned(name)) return;
+  const auto object = SharedObject::open_to_replace(name);
+  if (!object)
+    throw Error{fmt::format("another process is replacing ring '{}'; choose another name", name)};
+  if (is_abandoned(name) && object->has_name(name)) remove_ring(name);
 }
 
 }  // namespace

@@ -148,7 +148,9 @@ Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::M
 }
 
 Segment::~Segment() {
-  if (created_) std::atomic_ref{slots()[0].claim}.store(0);
+  Claim creator = layout_.creator;
+  if (created_ && pid_of(creator) == getpid())  // not in a forked child
+    std::atomic_ref{slots()[0].claim}.compare_exchange_strong(creator, 0);
 }
 
 void Segment::populate() {

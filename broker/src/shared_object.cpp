@@ -2,6 +2,7 @@
 #include "shared_object.hpp"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -80,6 +81,14 @@ SharedObject SharedObject::open(const std::string& ring) {
   return SharedObject{shm_open(path_of(ring).c_str(), O_RDWR | O_CLOEXEC, 0)};
 }
 
+std::optional<SharedObject> SharedObject::open_to_replace(const std::string& ring) {
+  const int descriptor = shm_open(path_of(ring).c_str(), O_RDWR | O_CLOEXEC, 0);
+  if (descriptor < 0 && errno == ENOENT) return std::nullopt;
+  std::optional object{SharedObject{descriptor}};
+  if (flock(object->descriptor_, LOCK_EX | LOCK_NB) != 0 || !object->has_name(ring)) object.reset();
+  return object;
+}
+
 std::uint64_t SharedObject::size() const {
   struct stat status {};
   return fstat(descriptor_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
@@ -93,6 +102,12 @@ bool SharedObject::read(std::uint64_t begin, void* to, std::size_t bytes) const 
     done += static_cast<std::size_t>(count);
   }
   return true;
+}
+
+bool SharedObject::has_name(const std::string& ring) const {
+  struct stat named {};
+  return lstat(("/dev/shm" + path_of(ring)).c_str(), &named) == 0 && named.st_dev == id_.device &&
+         named.st_ino == id_.inode;
 }
 
 // Pages are reserved in advance: a page that is missing later is lost memory.

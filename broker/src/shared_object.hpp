@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -43,6 +44,9 @@ class SharedObject {
   [[nodiscard]] static SharedObject create(const std::string& ring, std::uint64_t bytes);
   /// @throws Error with the reason of the system
   [[nodiscard]] static SharedObject open(const std::string& ring);
+  /// The same, as the one process that may replace the object until it is closed; empty if another
+  /// process has replaced it, or is doing so.
+  [[nodiscard]] static std::optional<SharedObject> open_to_replace(const std::string& ring);
   SharedObject(SharedObject&& other) noexcept;
   SharedObject& operator=(SharedObject&&) = delete;
   ~SharedObject();
@@ -56,6 +60,8 @@ class SharedObject {
   void reserve(std::uint64_t begin, std::uint64_t bytes) const;
   /// @throws Error if the range cannot be mapped
   [[nodiscard]] Mapping map(std::uint64_t begin, std::uint64_t bytes) const;
+  /// True if this object has the name of the ring now.
+  [[nodiscard]] bool has_name(const std::string& ring) const;
   /// True once a page of a mapping was lost.
   [[nodiscard]] const std::atomic<bool>& lost() const { return *lost_; }
 

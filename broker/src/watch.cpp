@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/broker/watch.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <map>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include <rths/broker/follow.hpp>
+#include <rths/core/error.hpp>
 
 #include "process.hpp"
 #include "segment.hpp"
@@ -23,6 +28,28 @@ constexpr Duration kConfirmation = std::chrono::milliseconds{100};
 }  // namespace
 
 struct Watch::State {
+  /// The right to journal on behalf of plain clients: a journal has one writer.
+  class OnlyWatch {
+   public:
+    /// @throws Error if a living process watches the ring
+    explicit OnlyWatch(Segment& segment) : watcher_{segment.header().watcher}, self_{own_claim()} {
+      Claim holder = watcher_.load();
+      if (segment.is_member(holder) || !watcher_.compare_exchange_strong(holder, self_))
+        throw Error{fmt::format(
+            "process {} watches the ring, expected one watch of a ring; end that process",
+            pid_of(holder))};
+    }
+    ~OnlyWatch() {
+      if (pid_of(self_) == getpid()) watcher_.compare_exchange_strong(self_, 0);
+    }
+    OnlyWatch(const OnlyWatch&) = delete;
+    OnlyWatch& operator=(const OnlyWatch&) = delete;
+
+   private:
+    std::atomic_ref<Claim> watcher_;
+    Claim self_;
+  };
+
   /// A node of the map.
   struct Member {
     std::string name;
@@ -36,6 +63,7 @@ struct Watch::State {
 
   Ring& ring;
   Segment& segment;
+  OnlyWatch only;
   Node observer;
   std::vector<Member> members;
   std::vector<std::uint32_t> expected;  ///< value of each word by the journals
@@ -258,7 +286,15 @@ void Watch::State::compare_data(std::vector<PlainStore>& found) {
 }
 
 Watch::Watch(Ring& ring)
-    : state_{new State{ring, ring.segment(), ring.observe(), {}, {}, {}, {}, {}}} {
+    : state_{new State{ring,
+                       ring.segment(),
+                       State::OnlyWatch{ring.segment()},
+                       ring.observe(),
+                       {},
+                       {},
+                       {},
+                       {},
+                       {}}} {
   std::uint32_t end = 0;
   for (const auto& partition : ring.map().partitions())
     end = std::max(end, partition.base.value() + partition.longwords);

@@ -8,6 +8,7 @@
 #include <rths/broker/watch.hpp>
 
 #include "broker/src/segment.hpp"
+#include "support/files.hpp"
 #include "support/ring_maps.hpp"
 
 namespace rths::broker {
@@ -45,6 +46,21 @@ class WatchTest : public ::testing::Test {
     return found;
   }
 };
+
+// Two watches would be two writers of a plain client's journal.
+TEST_F(WatchTest, IsTheOnlyOneOfItsRingWhileItsProcessLives) {
+  {
+    const Watch watch{ring};
+    EXPECT_EQ(test::error_of([&] { const Watch second{ring}; }),
+              "process " + std::to_string(getpid()) +
+                  " watches the ring, expected one watch of a ring; end that process");
+  }
+  constexpr Claim kNoProcess = 1ULL << 40 | 999'999'999;
+  segment->header().watcher = kNoProcess;
+
+  EXPECT_EQ(test::error_of([&] { const Watch successor{ring}; }), "");
+  EXPECT_EQ(segment->header().watcher, 0U);
+}
 
 TEST_F(WatchTest, ReportsNothingForNodesThatJournal) {
   Node machine = ring.join("machine", 0);

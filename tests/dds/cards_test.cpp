@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <array>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
 #include <random>
+#include <string>
+
+#include <gtest/gtest.h>
 
 #include "bits.hpp"
 #include "broker/dds/src/cards.hpp"
 #include "broker/src/shared_object.hpp"
 #include "gt_queue.hpp"
 #include "gt_registers.hpp"
+#include "support/files.hpp"
 #include "support/ring_maps.hpp"
 
 namespace rths::dds {
@@ -57,6 +67,75 @@ TEST_F(CardsTest, CopyTheInterruptingWords) {
     EXPECT_EQ(copy.card->plus.csr[0].load(), card.card->plus.csr[0].load());
   }
   EXPECT_TRUE(first_.cards.changes_of(node(0)).empty()) << "nothing has changed";
+}
+
+/// A child process with a card of a ring, until it is killed.
+class CardHolder {
+ public:
+  explicit CardHolder(const std::function<void()>& take) {
+    std::array<int, 2> ready{};
+    if (pipe(ready.data()) != 0) std::abort();
+    pid_ = fork();
+    if (pid_ == 0) {
+      take();
+      static_cast<void>(!write(ready[1], "r", 1));
+      pause();
+      _exit(0);
+    }
+    close(ready[1]);
+    char byte = 0;
+    static_cast<void>(!::read(ready[0], &byte, 1));
+    close(ready[0]);
+  }
+  ~CardHolder() { die(); }
+  CardHolder(const CardHolder&) = delete;
+  CardHolder& operator=(const CardHolder&) = delete;
+  void die() {
+    if (pid_ > 0) kill(pid_, SIGKILL), waitpid(pid_, nullptr, 0);
+    pid_ = -1;
+  }
+  [[nodiscard]] int pid() const { return pid_; }
+
+ private:
+  pid_t pid_ = -1;
+};
+
+// A program may have taken the card by the number of the other host's node.
+TEST_F(CardsTest, LeaveTheCardOfALivingProcessOfThisHost) {
+  first_.card(node(0)).card->plus.csr[0].store(0x8003);
+  const auto messages = first_.cards.state_of(node(0));
+  CardHolder holder{[&] { second_.card(node(0)).card->plus.csr[0].store(0x1234); }};
+
+  for (const auto& message : messages)
+    EXPECT_EQ(test::error_of([&] { static_cast<void>(second_.cards.apply(node(0), message)); }),
+              "process " + std::to_string(holder.pid()) + " of this host has the card");
+  EXPECT_EQ(second_.card(node(0)).card->plus.csr[0].load(), 0x1234U);
+
+  holder.die();
+  for (const auto& message : messages) EXPECT_TRUE(second_.cards.apply(node(0), message));
+  EXPECT_EQ(second_.card(node(0)).card->plus.csr[0].load(), 0x8003U);
+}
+
+// Otherwise SIGBUS ends the process.
+TEST_F(CardsTest, ReactToLostMemoryAsTheirRingDoes) {
+  std::fflush(nullptr);
+  const pid_t child = fork();
+  if (child == 0) {
+    broker::on_lost_memory(broker::OnLostMemory::Continue);
+    Side lost{"cards_lost"};
+    const auto card = lost.card(node(0));
+    auto* const window = lost.table.map_memory(nullptr, 0, lost.table.memory_bytes());
+    std::filesystem::resize_file("/dev/shm/" + broker::object_name(lost.removal.name), 0);
+    const bool are_zero = card.card->key.load() == 0 && card.acr[0].load() == 0 &&
+                          reinterpret_cast<scramnet::Word*>(window)->load() == 0 &&
+                          lost.table.in_use() == 0;
+    scramnet::CardTable::unmap(window, lost.table.memory_bytes());
+    broker::remove_ring(lost.removal.name);
+    _exit(are_zero ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
 }
 
 TEST_F(CardsTest, RefuseMalformedMessages) {

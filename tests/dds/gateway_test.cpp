@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Rings of several hosts that gateways connect, over a relay with faults.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdio>
@@ -130,6 +131,42 @@ TEST_F(GatewayTest, RefusesANodeThatIsOnBothHosts) {
   EXPECT_EQ(ours.read(kMachineWord), 1U);
   EXPECT_EQ(theirs.read(kMachineWord), 2U);
   EXPECT_EQ(refusals(here_), 1) << "said once";
+}
+
+// A refused node of another host is announced again and again.
+TEST_F(GatewayTest, LosesNoWriteOfANodeWhileItRefusesTheSameNodeOfAnotherHost) {
+  RingHost third{"third", map_};
+  here_.start(relay_->connect());
+  third.start(relay_->connect());
+  broker::Node ours = here_.ring().join("machine", 0);
+  auto follower = third.ring().follow("machine");
+  ASSERT_TRUE(comes_true([&] { return has(third, "machine"); }));
+  broker::Node theirs = there_.ring().join("machine", 0);
+  there_.start(relay_->connect());
+  ASSERT_TRUE(comes_true([&] {
+    const auto lines = here_.lines();
+    return std::any_of(lines.begin(), lines.end(), [](const std::string& line) {
+      return line.find("node 'machine' of host 'there' is refused: it is on this host") == 0;
+    });
+  }));
+
+  constexpr std::uint32_t kWrites = 4000;
+  for (std::uint32_t i = 1; i <= kWrites; ++i) {
+    ASSERT_EQ(ours.write(kMachineWord, i), Status::Ok);
+    std::this_thread::sleep_for(std::chrono::microseconds{100});
+  }
+
+  std::uint32_t last = 0, missing = 0;
+  broker::Write write{};
+  ASSERT_TRUE(comes_true([&] {
+    while (follower.next(write) == Followed::Write) {
+      if (write.offset != kMachineWord) continue;
+      missing += write.value - last - 1;
+      last = write.value;
+    }
+    return last == kWrites;
+  }));
+  EXPECT_EQ(missing, 0U);
 }
 
 TEST_F(GatewayTest, NamesAHostWithAnotherMap) {

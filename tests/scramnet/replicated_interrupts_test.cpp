@@ -74,6 +74,31 @@ TEST_F(ReplicatedCard, GivesTheAddressesOfInterruptsInOrderOfArrival) {
   EXPECT_EQ(untouched, 5U);
 }
 
+// CSR5 shows that a message was a repetition; its address has no mark of it.
+TEST_F(ReplicatedCard, GivesTheAddressesOfRepeatedMessages) {
+  replicated::Action fault;
+  fault.kind = replicated::Action::Kind::BitErrorRate;
+  fault.rate = 2e-3;
+  scr_acr_write(kWord, ACR_RIE | ACR_TIE);
+  set_csr(SCR_CSR2, 0x4640);
+  set_csr(SCR_CSR0, 0x812B);
+  replicated::request_fault(name(), fault);
+  int marked = 0, taken = 0;
+  const bool are_repeated = soon([&, value = 0U]() mutable {
+    store(++value);
+    settle();
+    for (; (csr(SCR_CSR5) & CSR5_IFE) != 0; ++taken) {
+      marked += (csr(SCR_CSR5) & CSR5_RB) != 0 ? 1 : 0;
+      EXPECT_EQ(interrupt(), address_of(kWord));
+    }
+    return marked >= 3;
+  });
+  fault.rate = 0;
+  replicated::request_fault(name(), fault);
+  settle();
+  EXPECT_TRUE(are_repeated) << marked << " of " << taken;
+}
+
 TEST_F(ReplicatedCard, FillsItsInterruptFifoAndKeepsTheOldestEntries) {
   take_all_interrupts();
   std::uint32_t written = 0;

@@ -57,6 +57,18 @@ TEST_F(RingUse, AnnouncesTheOtherProcessOfACard) {
   }
 }
 
+TEST_F(RingUse, KeepsAProgramWhoseForkedChildHasExited) {
+  Ring made = Ring::create(name, small_map());
+  const auto observer = made.observe();
+  be_node("machine");
+  const Running program{client("forking")};
+
+  for (int i = 0; i < 5000 && observer.read(rths::LongwordOffset{40}) != 1; ++i) usleep(1000);
+
+  ASSERT_EQ(observer.read(rths::LongwordOffset{40}), 1U);
+  EXPECT_TRUE(is_on_ring("machine", program.pid()));
+}
+
 TEST_F(RingUse, ReachesARunningRingFromAGtCardByItsName) {
   Ring made = Ring::create(name, small_map());
   const auto observer = made.observe();

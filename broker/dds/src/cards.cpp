@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <rths/core/error.hpp>
 
 #include "bits.hpp"
@@ -106,9 +108,12 @@ std::vector<CardMessage> Cards::changes_of(NodeId node) {
 // The copies accept every interrupt: the card itself decides, on its host.
 Cards::Copy& Cards::copy_of(NodeId node) {
   if (const auto found = copies_.find(node); found != copies_.end()) return found->second;
-  const auto index = table_.take(scramnet::kNamed | node.value(), broker::own_claim());
+  const broker::Claim self = broker::own_claim();
+  const auto index = table_.take(scramnet::kNamed | node.value(), self);
   const auto view = index ? table_.at(*index) : std::nullopt;
   if (!view) throw Error{"all cards of the ring are in use"};
+  if (const auto holder = view->card->holder.load(); holder != self)  // a named card is shared
+    throw Error{fmt::format("process {} of this host has the card", broker::pid_of(holder))};
   view->card->is_copy.store(1);
   auto& gt = view->card->gt;
   gt.cr[scramnet::gt::kBroadcastMask].store(0xFFFF'FFFF);

@@ -41,6 +41,7 @@ struct Gateway::State {
     shared.cards = cards.get();
     outbox = std::make_unique<Outbox>(ring, shared);
     shared.sender = &outbox->waiter();
+    shared.reader = &outbox->reader();
     inbox = std::make_unique<Inbox>(ring, shared);
     sender = std::thread{[this] { outbox->run(); }};
     receiver = std::thread{[this] { inbox->run(); }};

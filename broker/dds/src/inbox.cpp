@@ -212,6 +212,14 @@ void Inbox::announce(HostId host, const std::string& name, const Announced& anno
 Inbox::Stream* Inbox::join(const memmap::MapNode& node, HostId host, const std::string& name) {
   const auto id = node.id.value();
   if (const auto found = streams_.find(id); found != streams_.end()) return found->second.get();
+  // Its writes must not be ignored meanwhile.
+  const auto local = shared_.reader->presence_of(node.id);
+  if (local.state == broker::Presence::State::Alive) {
+    refuse(host, id,
+           fmt::format("node '{}' of host '{}' is refused: it is on this host, as process {}",
+                       node.name, name, local.pid));
+    return nullptr;
+  }
   set_remote(id, true);  // before it joins: it must not be taken for a local node
   try {
     auto stream = std::make_unique<Stream>(node.id, host, ring_.join(node.name, 0),

@@ -28,6 +28,7 @@ class Outbox {
   /// Until the gateway ends.
   void run();
   [[nodiscard]] const broker::Waiter& waiter() const { return waiter_; }
+  [[nodiscard]] const broker::Node& reader() const { return reader_; }
 
  private:
   struct SentFrame {

@@ -42,6 +42,7 @@ struct Shared {
   GatewayOptions options;
   Carrier* carrier = nullptr;
   const broker::Waiter* sender = nullptr;  ///< waits for local writes only
+  const broker::Node* reader = nullptr;    ///< of this ring
   Cards* cards = nullptr;
   AtomicCounts counts;
   std::atomic<bool> ends{false};

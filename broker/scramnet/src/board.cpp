@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "board.hpp"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <ctime>
 
@@ -144,7 +142,7 @@ bool Board::map_window() {
 }
 
 void Board::unmap_window() {
-  if (window_ != nullptr) munmap(window_, window_bytes_);
+  if (window_ != nullptr) CardTable::unmap(window_, window_bytes_);
   window_ = nullptr;
   traps_.set_window({});
 }
@@ -226,7 +224,9 @@ void Board::update_thread() {
                       is_registered(plus(), session_.self()));
 }
 
+// A forked child has neither the thread of its parent nor its registration.
 void Board::leave() {
+  if (!session_.is_of_this_process()) return;
   scanner_.run_thread(false);
   remove_registration(plus(), session_.self());
   session_.leave();

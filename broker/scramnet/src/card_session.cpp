@@ -87,7 +87,10 @@ void CardSession::use_image(Settings& settings) {
   for_each_card([](const CardView& card) { card.card->carried.plain_host.store(1); });
 }
 
+bool CardSession::is_of_this_process() const { return broker::pid_of(self_) == getpid(); }
+
 void CardSession::leave() {
+  if (!is_of_this_process()) return;
   broker::Claim self = self_;
   own_.card->holder.compare_exchange_strong(self, 0);
   node_.reset();

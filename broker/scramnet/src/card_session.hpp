@@ -24,8 +24,10 @@ class CardSession {
   CardSession(const CardSession&) = delete;
   CardSession& operator=(const CardSession&) = delete;
 
-  /// Leaves the ring; the card keeps its state and stays mapped.
+  /// Leaves the ring; the card keeps its state and stays mapped. In a forked child it does nothing.
   void leave();
+  /// False in a forked child: the card is its parent's.
+  [[nodiscard]] bool is_of_this_process() const;
 
   using CardView = CardTable::CardView;
   [[nodiscard]] const CardView& own() const { return own_; }

@@ -14,6 +14,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "lost_memory.hpp"
 #include "segment.hpp"
 
 namespace rths::scramnet {
@@ -25,6 +26,9 @@ using std::chrono::steady_clock;
 
 constexpr auto kPowerUpTimeout = std::chrono::seconds{2};  // for another process's power-up
 constexpr auto kPoll = std::chrono::milliseconds{1};
+
+// Nobody asks: the ring itself knows whether it is lost. Windows may outlive their table.
+std::atomic<bool> lost{false};
 
 // Takes a claim that no process holds, or only a process that has ended.
 bool take_over(SharedClaim& claim, broker::Claim self) {
@@ -61,7 +65,7 @@ CardTable::CardTable(const broker::Ring& ring, const std::string& name) {
   if (!broker::is_same_layout(
           layout_, broker::plan_layout(ring.map(), ring.map().to_toml(),
                                        static_cast<std::uint32_t>(layout_.journal_bits)))) {
-    munmap(header_, sizeof(Header));
+    unmap(reinterpret_cast<std::byte*>(header_), sizeof(Header));
     close(object_);
     throw Error{fmt::format("ring '{}' was replaced while this program attached to it", name)};
   }
@@ -69,8 +73,8 @@ CardTable::CardTable(const broker::Ring& ring, const std::string& name) {
 
 CardTable::~CardTable() {
   for (auto& base : mapped_)
-    if (std::byte* address = base.load()) munmap(address, layout_.card_bytes);
-  munmap(header_, sizeof(Header));
+    if (std::byte* address = base.load()) unmap(address, layout_.card_bytes);
+  unmap(reinterpret_cast<std::byte*>(header_), sizeof(Header));
   close(object_);
 }
 
@@ -139,7 +143,7 @@ CardTable::CardView CardTable::map_card(std::uint32_t index) const {
   std::byte* fresh =
       map(nullptr, layout_.cards_at + index * layout_.card_bytes, layout_.card_bytes);
   if (fresh == nullptr || mapped_[index].compare_exchange_strong(base, fresh)) return view(fresh);
-  munmap(fresh, layout_.card_bytes);
+  unmap(fresh, layout_.card_bytes);
   return view(base);
 }
 
@@ -153,7 +157,15 @@ std::byte* CardTable::map(void* at, std::uint64_t offset, std::uint64_t bytes) c
   const int flags = MAP_SHARED | (at == nullptr ? 0 : MAP_FIXED);
   void* address =
       mmap(at, bytes, PROT_READ | PROT_WRITE, flags, object_, static_cast<off_t>(offset));
-  return address == MAP_FAILED ? nullptr : static_cast<std::byte*>(address);
+  if (address == MAP_FAILED) return nullptr;
+  auto* const begin = static_cast<std::byte*>(address);
+  if (at == nullptr) broker::guard(begin, bytes, lost);  // otherwise the range is guarded
+  return begin;
+}
+
+void CardTable::unmap(std::byte* address, std::uint64_t bytes) noexcept {
+  broker::unguard(address);
+  munmap(address, bytes);
 }
 
 std::byte* CardTable::map_memory(void* at, std::uint64_t offset, std::uint64_t bytes) const {

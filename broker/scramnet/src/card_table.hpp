@@ -55,8 +55,10 @@ class CardTable {
   [[nodiscard]] std::uint64_t looks() const;
   /// Maps a range of the ring's memory, or of a card's ACR, at address `at` if that is not null.
   /// @returns null if the mapping fails
+  /// Until `unmap`, lost pages are handled as `OnLostMemory` says.
   [[nodiscard]] std::byte* map_memory(void* at, std::uint64_t offset, std::uint64_t bytes) const;
   [[nodiscard]] std::byte* map_acr(std::uint32_t index, void* at, std::uint64_t bytes) const;
+  static void unmap(std::byte* address, std::uint64_t bytes) noexcept;
   /// Reserves space for the last known values of longwords. @returns false if memory is short
   [[nodiscard]] bool reserve_known(std::uint32_t index, std::uint32_t first_longword,
                                    std::uint32_t longwords) const;

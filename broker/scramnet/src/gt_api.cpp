@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Vendor's GT calls: opening, mapping, states, registers, statistics, error texts.
-#include <sys/mman.h>
-
 #include <array>
 #include <cstring>
 #include <string>
@@ -90,7 +88,7 @@ void* scgtMapMem(scgtHandle* handle) {
 
 void scgtUnmapMem(scgtHandle* handle) {
   if (handle == nullptr || handle->memMapPtr == nullptr) return;
-  munmap(handle->memMapPtr, handle->memMapSize);
+  CardTable::unmap(reinterpret_cast<std::byte*>(handle->memMapPtr), handle->memMapSize);
   handle->memMapPtr = nullptr;
   handle->memMapSize = 0;
 }

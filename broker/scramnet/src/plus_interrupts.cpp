@@ -98,7 +98,7 @@ int scr_read_int_fifo(void* byte_address) {
   card->scanner().scan();
   const auto address = pop(card->plus().fifo);
   if (!address) return 0;
-  const std::uint32_t value = *address;
+  const std::uint32_t value = *address & ~3U;  // the lower bits are marks
   std::memcpy(byte_address, &value, sizeof value);
   return 1;
 }

@@ -58,7 +58,8 @@ struct Presence {
 ///
 /// One thread reads and writes; other threads may call `presence_of` and `beats_of`. Nodes, in one
 /// process or many, are independent: each longword has one writer, so there are no locks, and none
-/// that an ended process could hold. The destructor leaves the ring; must not outlive its `Ring`.
+/// that an ended process could hold. The destructor leaves the ring, but not in a forked child of
+/// the process that joined; must not outlive its `Ring`.
 class Node {
  public:
   Node(Node&&) noexcept;
@@ -133,7 +134,8 @@ class Node {
   Segment* segment_;
   std::uint32_t* words_;  ///< of the ring
   std::uint32_t slot_;
-  std::vector<OwnRange> own_;                ///< without tear groups
+  std::uint64_t claim_;        ///< of the process that joined: a forked child does not leave for it
+  std::vector<OwnRange> own_;  ///< without tear groups
   mutable std::vector<GroupAccess> groups_;  ///< caches the last read
   std::unique_ptr<Writer> writer_;           ///< of a node that may write
 };

@@ -45,6 +45,7 @@ struct PartOfWord {
 /// program. One watch per ring.   @setup, one thread
 class Watch {
  public:
+  /// @throws Error if a living process watches this ring
   explicit Watch(Ring& ring);
   ~Watch();
   Watch(const Watch&) = delete;
