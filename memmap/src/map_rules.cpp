@@ -2,6 +2,7 @@
 #include "map_rules.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -30,11 +31,25 @@ void check_name(const std::string& name, const std::string& kind, const std::str
     fail(where, "{} name is '{}', expected letters, digits, '_' and inner '.'", kind, name);
 }
 
+// The canonical form of a map has these names as bare keys of TOML.
+bool is_key(const std::string& name, const std::string& others) {
+  return !name.empty() && std::all_of(name.begin(), name.end(), [&](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || others.find(c) != std::string::npos;
+  });
+}
+
+// Without '-': the name of a node is also part of the names of its added partitions.
+void check_node_name(const MapNode& node) {
+  if (!is_key(node.name, "_"))
+    fail(node.where, "node name is '{}', expected letters, digits and '_'", node.name);
+}
+
 void check_nodes(const MapDescription& description, Mistakes& mistakes) {
   mistakes.collect([&] {
     if (description.nodes.empty())
       fail(description.where, "map '{}' has no nodes", description.name);
   });
+  for (const auto& node : description.nodes) mistakes.collect([&] { check_node_name(node); });
   for (std::size_t i = 1; i < description.nodes.size(); ++i) {
     const MapNode& node = description.nodes[i];
     const MapNode& previous = description.nodes[i - 1];
@@ -82,6 +97,10 @@ void check_integer_values(const Signal& signal) {
                                       : std::numeric_limits<std::uint32_t>::max();
   for (std::size_t i = 0; i < signal.values.size(); ++i) {
     const auto& [name, value] = signal.values[i];
+    if (!is_key(name, "_-"))
+      fail(signal.where,
+           "signal '{}': the name of value {} is '{}', expected letters, digits, '_' and '-'",
+           signal.name, value, name);
     if (value < low || value > high)
       fail(signal.where, "signal '{}': value {} = {} does not fit {}", signal.name, name, value,
            to_text(signal.type));

@@ -24,11 +24,18 @@ namespace rths::testkit {
 namespace {
 
 constexpr double kEventually = 5;                     // [s]
+constexpr double kLongestTime = 1e6;                  // [s]
 constexpr Duration kGrace = std::chrono::seconds{2};  // of a program that was asked to end
 constexpr Duration kProgramLook = std::chrono::milliseconds{20};  // at the programs
 constexpr Duration kStartLook = std::chrono::milliseconds{2};
 constexpr const char* kPrefix = "test_";
 constexpr std::size_t kMostLogBytes = 100 << 20;
+
+Duration duration_of(const std::string& name, double seconds) {
+  if (!(seconds >= 0 && seconds <= kLongestTime))
+    throw Error{fmt::format("{} is {} s, expected 0 to {} s", name, seconds, kLongestTime)};
+  return from_seconds(seconds);
+}
 
 std::string new_name() {
   static std::atomic<unsigned> count{0};
@@ -129,7 +136,7 @@ Laboratory::Laboratory(std::filesystem::path folder, const std::string& map, dou
     : state_{std::make_unique<State>()} {
   broker::on_lost_memory(broker::OnLostMemory::Continue);
   state_->folder = std::move(folder);
-  state_->deadline = WallClock{}.now() + from_seconds(deadline_s);
+  state_->deadline = WallClock{}.now() + duration_of("deadline_s", deadline_s);
   remove_rings_of_killed_tests();
   state_->ring = SignalRing::create(state_->name, find_map(map).string());
   state_->observer = state_->ring->observe();
@@ -167,12 +174,16 @@ void Laboratory::start(const Program& program) {
   if (state_->programs.contains(name))
     throw Error{fmt::format("program '{}' was started before, expected another name", name)};
   if (program.command.empty()) throw Error{fmt::format("program '{}' has no command", name)};
+  static_cast<void>(duration_of("ready_s", program.ready_s));
   if (!program.node.empty()) static_cast<void>(state_->ring->map().node(program.node));
   std::string ring = state_->name;
   if (program.is_linked) {
-    auto& link = state_->links[program.node];
-    if (!link) link = std::make_unique<Link>(ring, state_->ring->map(), program.node);
-    ring = link->image();
+    auto link = state_->links.find(program.node);
+    if (link == state_->links.end()) {
+      auto made = std::make_unique<Link>(ring, state_->ring->map(), program.node);
+      link = state_->links.emplace(program.node, std::move(made)).first;
+    }
+    ring = link->second->image();
   }
   State::Started started;
   auto start = start_of(program, name, ring);
@@ -218,8 +229,7 @@ void Laboratory::drop_signal(const std::string& signal) {
 }
 
 void Laboratory::delay(const std::string& node, double seconds) {
-  if (!(seconds >= 0)) throw Error{fmt::format("the delay is {} s, expected 0 or more", seconds)};
-  state_->link(node).delay(from_seconds(seconds));
+  state_->link(node).delay(duration_of("the delay", seconds));
 }
 
 void Laboratory::flip(const std::string& signal, int bit) {
@@ -234,7 +244,7 @@ template <class Changed>
 double Laboratory::State::follow(double seconds, const std::string& signal, Changed changed) {
   const WallClock clock;
   const auto follower = ring->follow({signal});
-  const TimePoint latest = std::min(deadline, clock.now() + from_seconds(seconds));
+  const TimePoint latest = std::min(deadline, clock.now() + duration_of("the time", seconds));
   double value = observer->read(signal);
   bool is_over = changed(value);
   while (!is_over) {
@@ -292,7 +302,8 @@ void Laboratory::never(double seconds, const std::string& signal, const Conditio
 void Laboratory::expect_end(double seconds, const std::string& program) {
   WallClock clock;
   auto& process = *state_->program(program).process;
-  const TimePoint latest = std::min(state_->deadline, clock.now() + from_seconds(seconds));
+  const TimePoint latest =
+      std::min(state_->deadline, clock.now() + duration_of("the time", seconds));
   while (!process.has_ended() && clock.now() < latest) {
     check_programs();
     process.wait(kProgramLook);

@@ -25,6 +25,27 @@ std::vector<broker::LongwordRange> words_of(const memmap::Map& map, const std::s
   return words;
 }
 
+// Waits for writes to these words. Empty if there are none: only presence and heartbeats are
+// carried then.
+std::optional<broker::Waiter> waiter_for(broker::Ring& ring,
+                                         const std::vector<broker::LongwordRange>& words) {
+  if (words.empty()) return std::nullopt;
+  return ring.wait_for(words, Duration{0});
+}
+
+/// @throws Error if writes were lost
+Status wait_for_write(std::optional<broker::Waiter>& waiter, TimePoint deadline,
+                      broker::Write& write) {
+  if (!waiter) {
+    WallClock{}.sleep_until(deadline);
+    return Status::Late;
+  }
+  const Status status = waiter->wait(deadline, write);
+  if (status == Status::LimitExceeded)
+    throw Error{"writes were lost: it was more than a journal behind"};
+  return status;
+}
+
 }  // namespace
 
 /// A node of one ring, played on the other.
@@ -79,7 +100,7 @@ class Link::Outward {
         to_{broker::Ring::attach(link.ring_)},
         observer_{from_.observe()},
         watch_{from_},
-        waiter_{from_.wait_for(words_of(link.map_, link.node_, true), Duration{0})},
+        waiter_{waiter_for(from_, words_of(link.map_, link.node_, true))},
         id_{link.map_.node(link.node_)} {}
 
   void advance() {
@@ -88,10 +109,7 @@ class Link::Outward {
     broker::Write write;
     TimePoint deadline = next_look_;
     if (!waiting_.empty()) deadline = std::min(deadline, waiting_.front().due);
-    const Status status = waiter_.wait(deadline, write);
-    if (status == Status::LimitExceeded)
-      throw Error{"writes were lost: it was more than a journal behind"};
-    if (status == Status::Ok) take(write);
+    if (wait_for_write(waiter_, deadline, write) == Status::Ok) take(write);
     send();
   }
 
@@ -140,7 +158,7 @@ class Link::Outward {
   broker::Ring from_, to_;
   broker::Node observer_;
   broker::Watch watch_;
-  broker::Waiter waiter_;
+  std::optional<broker::Waiter> waiter_;
   NodeId id_;
   std::optional<Double> node_;  ///< on the ring of the laboratory
   std::deque<Message> waiting_;
@@ -157,7 +175,8 @@ class Link::Inward {
         from_{broker::Ring::attach(link.ring_)},
         to_{broker::Ring::attach(link.image_)},
         observer_{from_.observe()},
-        waiter_{from_.wait_for(words_of(link.map_, link.node_, false), Duration{0})} {
+        waiter_{waiter_for(from_, words_of(link.map_, link.node_, false))},
+        id_{link.map_.node(link.node_)} {
     look();
     for (auto& [name, node] : nodes_) node.copy(link.map_, name, observer_, from_);
   }
@@ -165,10 +184,7 @@ class Link::Inward {
   void advance() {
     if (clock_.now() >= next_look_) look();
     broker::Write write;
-    const Status status = waiter_.wait(next_look_, write);
-    if (status == Status::LimitExceeded)
-      throw Error{"writes were lost: it was more than a journal behind"};
-    if (status != Status::Ok) return;
+    if (wait_for_write(waiter_, next_look_, write) != Status::Ok || write.writer == id_) return;
     const bool is_group = !write.group.empty();
     play(write.writer)
         .write(link_.map_, write.offset, is_group,
@@ -194,7 +210,8 @@ class Link::Inward {
   Link& link_;
   broker::Ring from_, to_;
   broker::Node observer_;
-  broker::Waiter waiter_;
+  std::optional<broker::Waiter> waiter_;
+  NodeId id_;
   std::map<std::string, Double> nodes_;  ///< on the ring of the program
   TimePoint next_look_{0};
   WallClock clock_;

@@ -113,6 +113,14 @@ TEST(Map, ReadsItsCanonicalSpellingBack) {
   EXPECT_EQ(again.hash(), map.hash());
 }
 
+TEST(Map, ReadsTheNamesOfValuesBack) {
+  std::string text = kText;
+  text.replace(text.find("idle = 0"), 8, "\"at-rest_2\" = 0");
+  const Map map = parse_map(text, "lab.toml");
+
+  EXPECT_EQ(parse_map(map.to_toml(), "canonical").hash(), map.hash());
+}
+
 TEST(Map, HasTheSameHashInEverySpelling) {
   std::string reordered = kText;
   const auto second = reordered.rfind("[[partition]]");

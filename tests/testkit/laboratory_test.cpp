@@ -2,6 +2,7 @@
 #include <rths/testkit/gtest.hpp>
 
 #include <csignal>
+#include <limits>
 
 #include <gtest/gtest-spi.h>
 
@@ -10,6 +11,7 @@
 #include "support/files.hpp"
 #include "support/process.hpp"
 #include "support/waiting.hpp"
+#include "testkit/src/link.hpp"
 
 namespace rths::testkit {
 namespace {
@@ -52,6 +54,39 @@ TEST_F(LaboratoryOfATest, CarriesTheMessagesOfALinkedProgramInBothDirections) {
     move(displacement);
     expect_within(5, "machine.force", 1e6 * displacement);
   }
+}
+
+/// The map of these tests without the words of one node.
+std::string without_words_of(const std::string& node, const test::TemporaryFolder& folder) {
+  auto description = memmap::load_map(two_signals()).description();
+  std::erase_if(description.partitions, [&](const auto& part) { return part.node == node; });
+  return folder.write("one_node.toml", memmap::Map{description}.to_toml()).string();
+}
+
+TEST_F(LaboratoryOfATest, CarriesTheMessagesOfTheOnlyNodeWithWords) {
+  const test::TemporaryFolder folder;
+  auto& lab = laboratory(without_words_of("machine", folder), 20);
+  const std::string pusher = (test::build_tree() / "bin/rths_test_pusher").string();
+  lab.start({"solver", {pusher, "{ring}"}, true});
+  expect_within(5, "solver.displacement", {0.1, 1e-6});
+  lab.expect_end(5, "solver");
+}
+
+TEST_F(LaboratoryOfATest, CarriesTheMessagesOfOthersToANodeWithoutWords) {
+  const test::TemporaryFolder folder;
+  auto& lab = laboratory(without_words_of("machine", folder), 20);
+  Link link{lab.name(), lab.ring()->map(), "machine"};
+  auto image = broker::Ring::attach(link.image());
+  const auto machine = image.join("machine", 0);
+  const auto offset = lab.ring()->entry("solver.displacement").signal->offset;
+  const auto before = machine.read(offset);
+  const auto solver = lab.join("solver");
+  solver->write("solver.displacement", 0.1);
+
+  EXPECT_TRUE(test::comes_true([&] { return machine.read(offset) != before; }));
+  EXPECT_TRUE(
+      test::comes_true([&] { return lab.ring()->observe()->presence_of("machine") == "alive"; }));
+  EXPECT_EQ(link.trouble(), "");
 }
 
 TEST_F(LaboratoryOfATest, DropsMessagesUntilTheyAreRestored) {
@@ -141,6 +176,35 @@ TEST_F(LaboratoryOfATest, RefusesMessageFaultsOfAProgramThatIsNotLinked) {
   auto& lab = with_spring();
   EXPECT_EQ(test::error_of([&] { lab.drop("machine"); }),
             "the program of node 'machine' is not linked, so its messages cannot be changed");
+}
+
+TEST_F(LaboratoryOfATest, RefusesTimesThatAreNone) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  auto& lab = with_spring(true);
+  EXPECT_EQ(test::error_of([&] { lab.delay("machine", kInfinity); }),
+            "the delay is inf s, expected 0 to 1000000 s");
+  Program late{"", {"true"}, false, "late"};
+  late.ready_s = -1;
+  EXPECT_EQ(test::error_of([&] { lab.start(late); }), "ready_s is -1 s, expected 0 to 1000000 s");
+  EXPECT_EQ(test::error_of([&] { lab.expect_within(kInfinity, "machine.force", 7); }),
+            "the time is inf s, expected 0 to 1000000 s");
+  EXPECT_EQ(test::error_of([&] {
+              const Laboratory endless{lab.folder(), two_signals(), kInfinity};
+            }),
+            "deadline_s is inf s, expected 0 to 1000000 s");
+}
+
+TEST_F(LaboratoryOfATest, IsUsableAfterALinkThatCouldNotBeMade) {
+  auto& lab = laboratory(two_signals(), 20);
+  {
+    const auto taken = broker::Ring::create(lab.name() + ".machine", lab.ring()->map());
+    EXPECT_NE(test::error_of([&] { lab.start(spring(true)); }).find("is in use"),
+              std::string::npos);
+  }
+  lab.check_programs();
+  EXPECT_NE(test::error_of([&] { lab.drop("machine"); }).find("is not linked"), std::string::npos);
+  lab.start(spring(true));
+  lab.drop("machine");
 }
 
 TEST(Laboratory, LeavesNothingBehind) {

@@ -28,7 +28,8 @@ struct Program {
 /// A ring that no other test sees, and programs on it. The ring is removed and the programs are
 /// ended with this object. A thread keeps all changes for a recording.
 ///
-/// Every wait ends at the deadline of the laboratory. One thread.
+/// Every wait ends at the deadline of the laboratory. Times are from 0 to 1e6 s; others throw
+/// Error. One thread.
 class Laboratory {
  public:
   /// @param folder  of logs and recording; must exist
