@@ -52,7 +52,7 @@ void add_axes(Config& model, const sim::TestMachine& machine) {
 }
 
 // Requires that the model has each "term.parameter"; a fit would silently omit a wrong name.
-void check_fitted(const Config& table, const Config& model) {
+void check_composition(const Config& table, const Config& model) {
   std::vector<std::string> known;
   for (const auto& key : model.keys()) {
     if (!model.is_table(key)) continue;
@@ -233,7 +233,7 @@ AssumedModel read_assumed_model(const Config& table, const Config& specimen, con
   }
   add_terms(model, sim::srmd_terms().overlaid(changed));
   add_axes(model, assumed.machine);
-  check_fitted(table, model);
+  check_composition(table, model);
   model.set("fitted", quoted(table.texts("fitted", {})));
   if (table.has("bounds")) model.set("bounds", table.table("bounds"));
   table.reject_unknown_keys();

@@ -29,4 +29,6 @@ bool InterruptGuard::is_interrupted() { return interrupt_received != 0; }
 
 bool InterruptGuard::is_stop_requested() { return stop_received != 0; }
 
+bool InterruptGuard::is_called_off() { return is_interrupted() || is_stop_requested(); }
+
 }  // namespace rths::launch

@@ -20,6 +20,8 @@ class InterruptGuard {
   [[nodiscard]] static bool is_interrupted();
   /// True if the stop signal has come since then.
   [[nodiscard]] static bool is_stop_requested();
+  /// True if either has come. Before the start, a request to stop is an interruption.
+  [[nodiscard]] static bool is_called_off();
 
  private:
   static constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT, kStopSignal};

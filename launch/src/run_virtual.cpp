@@ -213,11 +213,8 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
     Turns turns{ring, experiment, link};
     VirtualRun run{experiment, assembly, options,
                    [&](const std::string&) -> broker::Ring& { return ring; }, &turns};
-    const auto is_called_off = [] {
-      return InterruptGuard::is_interrupted() || InterruptGuard::is_stop_requested();
-    };
-    link.wait_until_ready(is_called_off);
-    trouble = is_called_off() ? "interrupted" : run.run();
+    link.wait_until_ready(InterruptGuard::is_called_off);
+    trouble = InterruptGuard::is_called_off() ? "interrupted" : run.run();
   } catch (const Error& error) {
     link.publish(HostState::Failed, error.what());
     link.wait_until_ended(kLongestFarewell);

@@ -68,12 +68,12 @@ class WallRun {
     for (auto& node : nodes_) {
       std::optional<std::string> line;
       while (!(line = node.process.read_line()) && !node.process.ended() &&
-             clock_.now() < deadline && !is_called_off()) {
+             clock_.now() < deadline && !InterruptGuard::is_called_off()) {
         show_life();
         wait_for_output();
       }
       if (line == "ready" && !node.process.ended()) continue;
-      if (is_called_off()) return;
+      if (InterruptGuard::is_called_off()) return;
       throw Error{fmt::format(
           "node '{}' did not become ready: it {}", node.node,
           node.process.ended() ? node.process.ending() : "sent no message before the deadline")};
@@ -82,7 +82,7 @@ class WallRun {
   }
 
   RunResult run() {
-    if (is_called_off()) {
+    if (InterruptGuard::is_called_off()) {
       result_.interrupted = true;
       return std::move(result_);
     }
@@ -127,10 +127,6 @@ class WallRun {
   [[nodiscard]] TimePoint end_of_test(TimePoint epoch) const {
     return epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate);
   }
-  // Before the start, a request to stop is an interruption.
-  [[nodiscard]] static bool is_called_off() {
-    return InterruptGuard::is_interrupted() || InterruptGuard::is_stop_requested();
-  }
 
   // The leading host sets the common time zero. Empty if there is none: the result has the reason.
   std::optional<TimePoint> agree_on_epoch() {
@@ -148,7 +144,7 @@ class WallRun {
         return std::nullopt;
       }
     }
-    result_.interrupted = is_called_off();
+    result_.interrupted = InterruptGuard::is_called_off();
     result_.trouble = "the leading host did not start the test";
     return std::nullopt;
   }
@@ -160,7 +156,7 @@ class WallRun {
     for (const auto& node : nodes_)
       if (node.process.ended())
         throw Error{fmt::format("node '{}' {} before the start", node.node, node.process.ending())};
-    return is_called_off();
+    return InterruptGuard::is_called_off();
   }
 
   void follow_other_hosts() {
