@@ -163,7 +163,7 @@ bool has_actuator(const Case& c) {
   });
 }
 
-void check_fitted(const Case& c) {
+void check_composed_model(const Case& c) {
   const std::vector<std::string> keys{"kind", "fitted", "bounds"};
   for (const auto& key : c.model.table.keys())
     if (!c.model.table.is_table(key) && std::find(keys.begin(), keys.end(), key) == keys.end())

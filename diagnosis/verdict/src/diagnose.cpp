@@ -304,7 +304,7 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Case c = given;
   reject_unknown_terms(options.without, c);
-  if (is_composition(c.model.kind)) check_fitted(c);
+  if (is_composition(c.model.kind)) check_composed_model(c);
   check_records(c);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);

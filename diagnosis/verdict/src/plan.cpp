@@ -51,7 +51,7 @@ std::vector<std::unique_ptr<Relation>> relations_of(const Case& c,
 std::vector<std::unique_ptr<Relation>> checked_relations(const Case& c,
                                                          const std::vector<std::string>& without) {
   reject_unknown_terms(without, c);
-  if (is_composition(c.model.kind)) check_fitted(c);
+  if (is_composition(c.model.kind)) check_composed_model(c);
   check_records(c);
   auto relations = relations_of(c, without);
   for (const auto& relation : relations) check_outputs(*relation, moving_records(c));

@@ -12,7 +12,7 @@ namespace rths::diagnosis {
 
 /// Checks the keys of a model of a bearing, platen or axis, and the names of its fitted parameters.
 /// @throws Error file:line:column, with the nearest known name   @setup
-void check_fitted(const Case& c);
+void check_composed_model(const Case& c);
 
 /// Whether the model has an actuator, which predicts displacements from commands.   @setup
 [[nodiscard]] bool has_actuator(const Case& c);
