@@ -77,12 +77,11 @@ int diagnose(const DiagnoseArguments& arguments) {
   steps->begin("the diagnosis");
   diagnosis::Verdict verdict =
       diagnosis::diagnose(c, {arguments.without, arguments.seed, shown_by(*steps)});
-  if (const auto recording = case_at(arguments.case_or_recording); is_run(recording))
+  if (const auto recording = case_at(arguments.case_or_recording); is_run(recording)) {
     verdict.synthetic =
         report::is_of_models(recording::Reader{recording}).value_or(verdict.synthetic);
-  if (const auto recording = case_at(arguments.case_or_recording);
-      is_run(recording) && arguments.against.empty())
-    add_mismatch_budget(recording, folder, verdict);
+    if (arguments.against.empty()) add_mismatch_budget(recording, folder, verdict);
+  }
   steps->begin("its page");
   const auto written = report::write_diagnosis(verdict, folder);
   steps.reset();  // removes its line before the results are printed

@@ -221,8 +221,9 @@ void describe(Analysis& analysis, const recording::Reader& run) {
       "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
   analysis.rest = file.number("rest_s", 0);
   analysis.motion = motion_name(file);
-  analysis.synthetic = is_of_models(run).value_or(false);
-  analysis.scope = scope_of(file, machine_in(file, recording::roles_of(run)));
+  const MachineNode machine = machine_in(file, recording::roles_of(run));
+  analysis.synthetic = is_among(models_of_machines(), machine.adapter);
+  analysis.scope = scope_of(file, machine);
   if (const auto node = text_at(analysis.meta, "without_safety_layer", ""); !node.empty())
     analysis.scope.push_back(
         fmt::format("Node {} has no safety layer: rths does not guard its commands.", node));

@@ -51,7 +51,7 @@ bool is_horizontal(const std::string& role) {
 }
 
 // Whether a relation of compositions reads a channel.
-bool is_used_by_compositions(const Channel& channel, const Record& record, bool has_actuator) {
+bool is_used_by_compositions(const Channel& channel, const Record& record, bool reads_commands) {
   const std::string family = family_of(channel.role);
   if (family == "vertical_force" || family == "temperature") return true;
   if (family == "auxiliary") {
@@ -59,7 +59,7 @@ bool is_used_by_compositions(const Channel& channel, const Record& record, bool 
                                     [](const auto& c) { return family_of(c.role) == "auxiliary"; });
     return first->role == channel.role;
   }
-  const bool is_read = (family == "command" && has_actuator) || family == "displacement" ||
+  const bool is_read = (family == "command" && reads_commands) || family == "displacement" ||
                        family == "acceleration" || family == "force";
   return is_read && is_horizontal(channel.role);
 }
@@ -79,12 +79,13 @@ bool is_used_by_model(const Channel& channel, const Record& record, const Model&
 }
 
 std::string unused_channels(const Case& c) {
+  const bool is_composed = is_composition(c.model.kind);
+  const bool reads_commands = is_composed && has_actuator(c);
   std::vector<std::string> unused;
   for (const Record* record : moving_records(c))
     for (const auto& channel : record->channels) {
-      const bool is_used = is_composition(c.model.kind)
-                               ? is_used_by_compositions(channel, *record, has_actuator(c))
-                               : is_used_by_model(channel, *record, c.model);
+      const bool is_used = is_composed ? is_used_by_compositions(channel, *record, reads_commands)
+                                       : is_used_by_model(channel, *record, c.model);
       if (!is_used && std::find(unused.begin(), unused.end(), channel.role) == unused.end())
         unused.push_back(channel.role);
     }
