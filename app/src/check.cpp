@@ -157,16 +157,20 @@ int check_constants(const std::string& file, const Config& constants,
   return kOk;
 }
 
+bool has_value(const Config& config, const char* key) {
+  return config.has(key) && !config.is_table(key);
+}
+
 int check_toml(const std::string& file) {
   const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
   if (config.has("diagram")) return check_diagram(file);
   if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("record") || config.has("channels") || config.has("run")) return check_case(file);
-  if (config.has("node") && !config.is_table("node")) return check_scenario(file);
+  if (has_value(config, "node")) return check_scenario(file);
   if (config.has("format") || config.has("node")) return check_experiment(file);
-  if (config.has("safety") && !config.is_table("safety")) return check_limits(file);
-  if (config.has("machine") && !config.is_table("machine")) return check_machine(file, config);
+  if (has_value(config, "safety")) return check_limits(file);
+  if (has_value(config, "machine")) return check_machine(file, config);
   if (config.has("specimen") || config.has("machine")) return check_improvement(file, config);
   if (const auto diagram = diagram_with(config); !diagram.empty())
     return check_constants(file, config, diagram);

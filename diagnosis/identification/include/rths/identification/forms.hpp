@@ -21,7 +21,8 @@ struct Description {
   };
   Over over = Over::State;
   bool is_of_pieces = false;  ///< the folds are pieces of the same records
-  std::string channel = {};   ///< output with this residual, without axis; in verdicts
+  /// Output with this residual, without axis; in verdicts. Lists of initial values omit it.
+  std::string channel = {};  // NOLINT(readability-redundant-member-init)
 };
 
 /// A form that explains a smaller share of the residual is not reported: any data have one [-].
