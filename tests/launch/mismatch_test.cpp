@@ -28,7 +28,8 @@ class Mismatch {
         "--clock", "virtual",
         "--out",   folder_.path().string()};
     arguments.insert(arguments.end(), options.begin(), options.end());
-    const auto run = test::run_rths(arguments, 120);
+    constexpr int kSeconds = 300;  // with its diagnosis, while other tests share the processors
+    const auto run = test::run_rths(arguments, kSeconds);
     EXPECT_EQ(run.exit_code, 0) << run.err;
   }
   [[nodiscard]] Json report() const { return json_of(folder_.path() / "report.json"); }
