@@ -220,16 +220,17 @@ class TextReader {
     if (row.size() != columns.size())
       throw Error{fmt::format("{}:{}: {} columns, expected {} as in the first row", file_, line_,
                               row.size(), columns.size())};
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const auto value = number(row[i]);
-      if (!value && has_decimal_comma(row[i])) fail_on_commas(row[i]);
-      const bool is_good = value && std::isfinite(*value);
-      if (!is_good && columns[i].trouble.empty())
-        columns[i].trouble =
-            fmt::format("{}:{}: found '{}' in column '{}', expected a finite number", file_, line_,
-                        row[i], columns[i].name);
-      columns[i].values.push_back(is_good ? *value : std::numeric_limits<double>::quiet_NaN());
-    }
+    for (std::size_t i = 0; i < row.size(); ++i) add_value(columns[i], row[i]);
+  }
+
+  void add_value(Table::Column& column, std::string_view text) const {
+    const auto value = number(text);
+    if (!value && has_decimal_comma(text)) fail_on_commas(text);
+    const bool is_good = value && std::isfinite(*value);
+    if (!is_good && column.trouble.empty())
+      column.trouble = fmt::format("{}:{}: found '{}' in column '{}', expected a finite number",
+                                   file_, line_, text, column.name);
+    column.values.push_back(is_good ? *value : std::numeric_limits<double>::quiet_NaN());
   }
 
   std::string file_;

@@ -13,17 +13,17 @@ namespace {
 std::string base64(std::span<const std::byte> bytes) {
   const std::size_t count = bytes.size();
   const auto number = [&](std::size_t i) { return std::to_integer<std::uint32_t>(bytes[i]); };
-  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  constexpr char kBase64[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((count + 2) / 3 * 4);
   for (std::size_t i = 0; i < count; i += 3) {
     std::uint32_t group = number(i) << 16;
     if (i + 1 < count) group |= number(i + 1) << 8;
     if (i + 2 < count) group |= number(i + 2);
-    text += kDigits[group >> 18 & 63];
-    text += kDigits[group >> 12 & 63];
-    text += i + 1 < count ? kDigits[group >> 6 & 63] : '=';
-    text += i + 2 < count ? kDigits[group & 63] : '=';
+    text += kBase64[group >> 18 & 63];
+    text += kBase64[group >> 12 & 63];
+    text += i + 1 < count ? kBase64[group >> 6 & 63] : '=';
+    text += i + 2 < count ? kBase64[group & 63] : '=';
   }
   return text;
 }

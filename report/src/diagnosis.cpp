@@ -58,8 +58,6 @@ std::string file_name_of(const std::string& record) {
   return shortened(name.starts_with('.') ? "_" + name : name);
 }
 
-constexpr int kDigits = 8;  // of the numbers of a table
-
 // Measurement and predictions of a record; the traces are those of its outputs.
 std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
   const diagnosis::Trace& first = *traces[0];

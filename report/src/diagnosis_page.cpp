@@ -20,6 +20,13 @@ void shift(std::vector<double>& times, double by) {
   for (double& time : times) time += by;
 }
 
+// The location of the mismatch begins with its record, too.
+void shift(diagnosis::Where& where, double by) {
+  for (auto& [from, to] : where.intervals) from += by, to += by;
+  for (auto& profile : where.profiles)
+    if (profile.name == "time") shift(profile.edges, by);
+}
+
 // The verdict for a page: instants far from zero, such as those since 1970, begin with the record.
 diagnosis::Verdict with_near_times(const diagnosis::Verdict& verdict) {
   diagnosis::Verdict near = verdict;
@@ -32,10 +39,7 @@ diagnosis::Verdict with_near_times(const diagnosis::Verdict& verdict) {
     if (record != nullptr && *record == trace.record) continue;
     record = &trace.record;
     starts.push_back(fmt::format("{:.13g} s in {}", start, trace.record));
-    if (trace.record != near.where.record) continue;
-    for (auto& [from, to] : near.where.intervals) from -= start, to -= start;
-    for (auto& profile : near.where.profiles)
-      if (profile.name == "time") shift(profile.edges, -start);
+    if (trace.record == near.where.record) shift(near.where, -start);
   }
   if (!starts.empty())
     near.limits.push_back(

@@ -6,6 +6,9 @@
 
 namespace rths::report {
 
+/// Significant digits of the numbers in files.
+inline constexpr int kDigits = 8;
+
 /// Significant digits of instants that are a few `resolution` apart. Times since 1970 need many.
 /// @param largest  instant [s]   @param usual  digits, at least
 inline int digits_of_instants(double largest, double resolution, int usual) {

@@ -13,8 +13,6 @@ namespace {
 
 using diagnosis::Verdict;
 
-constexpr int kDigits = 8;  // significant
-
 // JSON cannot represent NaN and infinity: they become null.
 Json number(double value, int digits = kDigits) {
   if (!std::isfinite(value)) return nullptr;
