@@ -153,6 +153,27 @@ void allow_half_a_sample(Hypothesis& base, double time_step) {
   }
 }
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+// "term.parameter" of all terms of the model.
+std::vector<std::string> parameters_of(const Case& c) {
+  std::vector<std::string> known;
+  const auto add = [&](const std::string& name) {
+    if (!contains(known, name)) known.push_back(name);
+  };
+  for (const auto& term : sim::read_terms(c.model.table.without("bounds")))
+    for (const auto& parameter : sim::term_kind(term.kind).parameters) {
+      add(fmt::format("{}.{}", term.name, parameter.name));
+      // One name for the values of both axes.
+      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
+        if (term.name.ends_with("." + axis_name(axis)))
+          add(fmt::format("{}.{}", term.name.substr(0, term.name.rfind('.')), parameter.name));
+    }
+  return known;
+}
+
 }  // namespace
 
 bool has_actuator(const Case& c) {
@@ -166,23 +187,12 @@ bool has_actuator(const Case& c) {
 void check_composed_model(const Case& c) {
   const std::vector<std::string> keys{"kind", "fitted", "bounds"};
   for (const auto& key : c.model.table.keys())
-    if (!c.model.table.is_table(key) && std::find(keys.begin(), keys.end(), key) == keys.end())
+    if (!c.model.table.is_table(key) && !contains(keys, key))
       c.model.table.fail(key,
                          fmt::format("unknown key '{}'{}", key, did_you_mean_one_of(key, keys)));
-  std::vector<std::string> known;
-  const auto add = [&](const std::string& name) {
-    if (std::find(known.begin(), known.end(), name) == known.end()) known.push_back(name);
-  };
-  for (const auto& term : sim::read_terms(c.model.table.without("bounds")))
-    for (const auto& parameter : sim::term_kind(term.kind).parameters) {
-      add(fmt::format("{}.{}", term.name, parameter.name));
-      // One name for the values of both axes.
-      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-        if (term.name.ends_with("." + axis_name(axis)))
-          add(fmt::format("{}.{}", term.name.substr(0, term.name.rfind('.')), parameter.name));
-    }
+  const auto known = parameters_of(c);
   for (const auto& fitted : c.model.fitted)
-    if (std::find(known.begin(), known.end(), fitted.name) == known.end())
+    if (!contains(known, fitted.name))
       c.model.table.fail("fitted", fmt::format("the model has no parameter '{}'{}", fitted.name,
                                                did_you_mean_one_of(fitted.name, known)));
 }
