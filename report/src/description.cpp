@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/report/report.hpp>
 #include <rths/sim/isolated_plant.hpp>
@@ -82,10 +83,6 @@ const std::vector<std::string>& own_adapters() {
   return adapters;
 }
 
-bool is_among(const std::vector<std::string>& adapters, const std::string& adapter) {
-  return std::find(adapters.begin(), adapters.end(), adapter) != adapters.end();
-}
-
 /// The node that plays specimen and machine. Empty: no node of the experiment does.
 struct MachineNode {
   std::string name, adapter;
@@ -100,7 +97,7 @@ MachineNode machine_in(const Config& file, const recording::Roles& roles) {
   for (const auto* adapters : {&models_of_machines(), &own_adapters()})
     for (const auto& name : nodes.keys()) {
       const std::string adapter = nodes.table(name).text("adapter", "");
-      if (name != roles.solver && is_among(*adapters, adapter)) return {name, adapter};
+      if (name != roles.solver && contains(*adapters, adapter)) return {name, adapter};
     }
   return {};
 }
@@ -116,7 +113,7 @@ std::vector<std::string> foreign_nodes(const Config& file) {
 
 std::string laboratory_sentence(const Config& file, const MachineNode& machine) {
   if (machine.name.empty()) return "Specimen and machine are not nodes of this experiment.";
-  if (!is_among(models_of_machines(), machine.adapter))
+  if (!contains(models_of_machines(), machine.adapter))
     return fmt::format(
         "Node {} with adapter {} represents specimen and machine. It is the user's own and may "
         "drive a real machine.",
@@ -203,7 +200,7 @@ std::string motion_name(const Config& file) {
 std::optional<bool> is_of_models(const recording::Reader& run) {
   const auto experiment = recording::experiment_in(run);
   if (!experiment) return std::nullopt;
-  return is_among(models_of_machines(), machine_in(*experiment, recording::roles_of(run)).adapter);
+  return contains(models_of_machines(), machine_in(*experiment, recording::roles_of(run)).adapter);
 }
 
 void describe(Analysis& analysis, const recording::Reader& run) {
@@ -222,7 +219,7 @@ void describe(Analysis& analysis, const recording::Reader& run) {
   analysis.rest = file.number("rest_s", 0);
   analysis.motion = motion_name(file);
   const MachineNode machine = machine_in(file, recording::roles_of(run));
-  analysis.synthetic = is_among(models_of_machines(), machine.adapter);
+  analysis.synthetic = contains(models_of_machines(), machine.adapter);
   analysis.scope = scope_of(file, machine);
   if (const auto node = text_at(analysis.meta, "without_safety_layer", ""); !node.empty())
     analysis.scope.push_back(

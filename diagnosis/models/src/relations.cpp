@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 
 #include "composition_relation.hpp"
@@ -151,10 +152,6 @@ void allow_half_a_sample(Hypothesis& base, double time_step) {
     base.values[base.values.size() - 1] = delay;
     return;
   }
-}
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
 }
 
 // "term.parameter" of all terms of the model.

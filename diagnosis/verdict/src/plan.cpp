@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/folds.hpp>
 #include <rths/identification/lattice.hpp>
@@ -233,10 +234,6 @@ class Examination {
   VectorXd residual_;
   std::optional<Complement> fitted_;
 };
-
-bool contains(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 // Effects that another one reproduces so well that the records cannot tell them apart. A special
 // case of the other is told apart by its simplicity.
