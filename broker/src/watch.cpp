@@ -86,7 +86,7 @@ struct Watch::State {
 
   void note_plain_joins();
   void update_members(std::vector<PlainStore>& found);
-  void settle(Member& member, std::vector<PlainStore>& found);
+  [[nodiscard]] bool settle(Member& member, std::vector<PlainStore>& found);
   void read_journals();
   void expect(const Write& write);
   void accept_words_of(const std::string& owner);
@@ -94,7 +94,7 @@ struct Watch::State {
   [[nodiscard]] bool is_confirmed(const PlainStore& store, const Member* owner);
   void compare(std::vector<PlainStore>& found);
   void compare_data(std::vector<PlainStore>& found);
-  [[nodiscard]] bool is_taken(std::uint32_t offset, std::uint32_t value);
+  [[nodiscard]] Judgement judged(LongwordOffset offset, std::uint32_t value);
   [[nodiscard]] Member* plain_member(const std::string& node);
   void check_word(std::uint32_t offset, std::uint32_t value, std::vector<PlainStore>& found);
   /// The process that is this node as a plain client; 0: none.
@@ -128,7 +128,7 @@ void Watch::State::update_members(std::vector<PlainStore>& found) {
   note_plain_joins();
   for (auto& member : members) {
     const Claim plain = plain_holder(member.id);
-    if (plain == 0 && member.was_plain) settle(member, found);
+    if (plain == 0 && member.was_plain && !settle(member, found)) continue;
     member.was_plain = plain != 0;
     if (plain == member.plain) continue;
     member.plain = plain;
@@ -139,21 +139,30 @@ void Watch::State::update_members(std::vector<PlainStore>& found) {
 
 // The last stores of a plain client that has left are its own. If a node that journals has joined
 // since, the journal is that node's.
-void Watch::State::settle(Member& member, std::vector<PlainStore>& found) {
+// @returns false while stores are left to who judges; then the client stays for the next look
+bool Watch::State::settle(Member& member, std::vector<PlainStore>& found) {
   Slot* slot = segment.slot_of(member.id);
-  if (slot != nullptr && std::atomic_ref{slot->plain}.load() == 0)
-    return accept_words_of(member.name);
-  member.on_behalf.emplace(segment.journal(node_index(ring.map(), member.id)));
+  if (slot != nullptr && std::atomic_ref{slot->plain}.load() == 0) {
+    accept_words_of(member.name);
+    return true;
+  }
+  if (!member.on_behalf)
+    member.on_behalf.emplace(segment.journal(node_index(ring.map(), member.id)));
+  bool complete = true;
   for (const auto& partition : ring.map().partitions()) {
     if (partition.node != member.name) continue;
     for (std::uint32_t i = 0; i < partition.longwords; ++i) {
       const LongwordOffset offset{partition.base.value() + i};
       const std::uint32_t value = word(offset.value());
-      if (value != expected[offset.value()])
+      if (value == expected[offset.value()]) continue;
+      const Judgement judgement = judged(offset, value);
+      complete = complete && judgement != Judgement::Leave;
+      if (judgement == Judgement::Take)
         journal(member, {offset, value, member.name, true, {}, WallClock{}.now()}, found);
     }
   }
-  member.on_behalf.reset();
+  if (complete) member.on_behalf.reset();
+  return complete;
 }
 
 void Watch::State::read_journals() {
@@ -224,11 +233,13 @@ bool Watch::State::is_confirmed(const PlainStore& store, const Member* owner) {
   return observer.presence_of(owner->id).state != Presence::State::Alive;
 }
 
-bool Watch::State::is_taken(std::uint32_t offset, std::uint32_t value) {
-  const Judgement judgement = *judge ? (*judge)(LongwordOffset{offset}) : Judgement::Take;
+// A plain client's store to its own word.
+Judgement Watch::State::judged(LongwordOffset offset, std::uint32_t value) {
+  const Judgement judgement = judge != nullptr && *judge ? (*judge)(offset) : Judgement::Take;
   if (judgement == Judgement::Restore)
-    std::atomic_ref{segment.words()[offset]}.compare_exchange_strong(value, expected[offset]);
-  return judgement == Judgement::Take;
+    std::atomic_ref{segment.words()[offset.value()]}.compare_exchange_strong(
+        value, expected[offset.value()]);
+  return judgement;
 }
 
 Watch::State::Member* Watch::State::plain_member(const std::string& node) {
@@ -247,7 +258,7 @@ void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
   const auto owner = std::find_if(members.begin(), members.end(),
                                   [&](const Member& m) { return m.name == store.owner; });
   if (owner != members.end() && owner->on_behalf) {
-    if (!is_taken(offset, value)) return;
+    if (judged(store.offset, value) != Judgement::Take) return;
     store.allowed = true;
     return journal(*owner, std::move(store), found);
   }
@@ -316,7 +327,7 @@ Watch::~Watch() = default;
 
 bool Watch::is_plain(const std::string& node) const {
   return std::any_of(state_->members.begin(), state_->members.end(),
-                     [&](const auto& member) { return member.name == node && member.plain != 0; });
+                     [&](const auto& member) { return member.name == node && member.on_behalf; });
 }
 
 std::vector<PlainStore> Watch::look(const std::function<Judgement(LongwordOffset)>& judge) {

@@ -240,5 +240,31 @@ TEST_F(WatchTest, LeavesGroupsOfAPlainClientToItsPointer) {
   EXPECT_EQ(plain.write_group(TearGroupId{0}, words), Status::Fault);
 }
 
+// Its stores may wait in a queue of traps.
+TEST_F(WatchTest, KeepsAClientThatHasLeftUntilItsStoresAreTaken) {
+  Watch watch{ring};
+  Follower follower = ring.follow("machine");
+  const auto leave = [](LongwordOffset) { return Judgement::Leave; };
+  {
+    const Node plain = ring.join_plain("machine");
+    store(kMachineWord, 7);
+  }
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(watch.look(leave).empty());
+  Write write;
+  EXPECT_EQ(follower.next(write), Followed::Nothing);
+  ASSERT_TRUE(watch.is_plain("machine"));
+
+  for (const std::uint32_t value : {5U, 6U, 7U}) watch.take("machine", kMachineWord, {value});
+  EXPECT_TRUE(watch.look(leave).empty());
+
+  EXPECT_FALSE(watch.is_plain("machine"));
+  for (const std::uint32_t value : {5U, 6U, 7U}) {
+    ASSERT_EQ(follower.next(write), Followed::Write);
+    EXPECT_EQ(write.value, value);
+  }
+  EXPECT_EQ(follower.next(write), Followed::Nothing);
+  EXPECT_TRUE(look_long(watch).empty());
+}
+
 }  // namespace
 }  // namespace rths::broker

@@ -83,6 +83,16 @@ class ReplicatedClients : public rths::test::VendorRing {
         if (card.csr[0] == csr0) return true;
     return false;
   }
+  /// Waits until a word of a node's own image is not zero.
+  static bool has_stored(const std::string& node, LongwordOffset offset) {
+    rths::broker::Ring image =
+        rths::broker::Ring::attach(rths::replicated::image_name(name(), node));
+    const rths::broker::Node observer = image.observe();
+    for (int i = 0; i < 10'000; ++i, usleep(1000))
+      if (observer.read(offset) != 0) return true;
+    return false;
+  }
+  [[nodiscard]] std::unique_lock<std::mutex> pause() { return images_->pause(); }
 
  private:
   std::optional<rths::test::CarriedImages> images_;
@@ -108,7 +118,8 @@ TEST_F(ReplicatedClients, CompleteOpenFrescosHandshakeWithoutALostFlag) {
 class ReplicatedInterrupts : public ReplicatedClients {
  protected:
   /// @param traps  of the program that stores
-  int count(const std::string& how, const std::string& traps = "1") {
+  /// @param pauses  no message is carried from the first store until the program has left
+  int count(const std::string& how, const std::string& traps = "1", bool pauses = false) {
     begin(interrupt_map());
     auto write = at_node("solver", client("ticks", {"write", "100", "500"}));
     write.insert(write.begin() + 1, "RTHS_SCRAMNET_TRAPS=" + traps);
@@ -116,7 +127,13 @@ class ReplicatedInterrupts : public ReplicatedClients {
     EXPECT_TRUE(is_on_ring("solver", 0x8103));  // before the counter says once that it is ready
     Running counter{at_node("controller", client("ticks", {how}))};
 
+    std::unique_lock<std::mutex> paused;
+    if (pauses) {
+      EXPECT_TRUE(has_stored("solver", LongwordOffset{0}));
+      paused = pause();
+    }
     EXPECT_EQ(writer.wait(30).exit_code, 0);
+    if (pauses) paused.unlock();
     const Finished counted = counter.wait(30);  // by the interrupt of the last word
     EXPECT_EQ(counted.exit_code, 0) << counted.err;
     return std::atoi(counted.out.c_str());
@@ -137,6 +154,13 @@ TEST_F(ReplicatedInterrupts, ReachAWaitingHost) {
 
 TEST_F(ReplicatedInterrupts, ReachARegisteredHostBySignals) {
   const int counted = count("signal");
+  EXPECT_GE(counted, kFewest);
+  EXPECT_LE(counted, 100);
+}
+
+// The last stores keep their order and their number although their program has left.
+TEST_F(ReplicatedInterrupts, ReachAHostAfterTheirProgramHasLeft) {
+  const int counted = count("wait", "1", true);
   EXPECT_GE(counted, kFewest);
   EXPECT_LE(counted, 100);
 }

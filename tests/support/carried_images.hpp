@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <mutex>
 #include <string>
 #include <thread>
 
@@ -25,6 +26,9 @@ class CarriedImages {
   CarriedImages(const CarriedImages&) = delete;
   CarriedImages& operator=(const CarriedImages&) = delete;
 
+  /// No message is carried while the lock is held.
+  [[nodiscard]] std::unique_lock<std::mutex> pause() { return std::unique_lock{mutex_}; }
+
  private:
   void carry() {
     // Clients may spin: without real-time scheduling, the scans come once per time slice.
@@ -33,11 +37,15 @@ class CarriedImages {
     WallClock clock;
     const TimePoint start = clock.now();
     while (!ends_) {
-      images_.advance(replicated::Time{clock.now() - start});
+      {
+        const std::lock_guard lock{mutex_};
+        images_.advance(replicated::Time{clock.now() - start});
+      }
       clock.sleep_until(clock.now() + std::chrono::microseconds{50});
     }
   }
   replicated::Images images_;
+  std::mutex mutex_;
   std::atomic<bool> ends_{false};
   std::thread thread_;  ///< last, because it uses the members above
 };

@@ -140,7 +140,11 @@ void Images::State::follow_presence(std::uint32_t at) {
 }
 
 bool Images::State::is_drained(std::uint32_t at) {
-  return images[at].waiting.empty() && cards.card(at).report().transmit_fifo == 0;
+  const scramnet::Card* const shared = cards.engine_->nodes()[at].shared;
+  const bool traps_are_taken = shared == nullptr || shared->carried.traps.taken.load() ==
+                                                        shared->carried.traps.reserved.load();
+  return traps_are_taken && images[at].waiting.empty() &&
+         cards.card(at).report().transmit_fifo == 0;
 }
 
 // The registers of a named image's card are in its object, where its host finds them.

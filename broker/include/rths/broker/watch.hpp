@@ -60,7 +60,7 @@ class Watch {
   void take(const std::string& node, LongwordOffset offset, PartOfWord part);
   /// Stores a word of the plain client that is this node, and journals it.
   void store(const std::string& node, LongwordOffset offset, std::uint32_t value);
-  /// True if a plain client was this node at the last look.
+  /// True if a plain client was this node at the last look, or has left stores to who judges.
   [[nodiscard]] bool is_plain(const std::string& node) const;
 
  private:
