@@ -142,21 +142,29 @@ std::string structure_sentence(const Config& file) {
         "The structure is that of {}. The numerical result is that of the experiment's [plant]: "
         "compare them only if both describe the same structure.",
         solver.text("script", "an OpenSees program"));
-  return fmt::format(
-      "Masses and frequencies of the structure are {}.",
-      file.has("plant") ? "those of the experiment's [plant]" : "assumptions of this project");
+  const Config plant = file.table_or_empty("plant");
+  return fmt::format("Masses and frequencies of the structure are {}.",
+                     plant.has("basemat_mass_kg") || plant.has("stick")
+                         ? "those of the experiment's [plant]"
+                         : "assumptions of this project");
 }
 
 std::string vertical_sentence(const Config& file, const MachineNode& machine) {
   if (node_with(file, {"numerical"}).text("vertical_feedback", "model") == "measured")
     return "The vertical force is tested, too: its measurement restores the structure.";
-  const Config motion = file.table_or_empty("motion");
-  if (!motion.has("column_vert") && !motion.has("file_vert"))
+  const Config motion = file.table_or_empty("motion"), plant = file.table_or_empty("plant");
+  std::vector<std::string> causes;
+  if (motion.has("column_vert") || motion.has("file_vert"))
+    causes.emplace_back("vertical motion of the ground");
+  if (plant.number("bearing_long_m", 0) != 0 || plant.number("bearing_lat_m", 0) != 0)
+    causes.emplace_back("overturning of the structure");
+  if (causes.empty() || node_with(file, {"opensees"}).has("adapter"))
     return "The vertical load of the bearing is constant.";
   if (machine.adapter == "ideal_machine")
-    return "The ideal machine has no vertical axis, so the vertical motion of the ground does not "
-           "vary the vertical load of the bearing.";
-  return "The vertical motion of the ground varies the vertical load of the bearing.";
+    return "The ideal machine has no vertical axis, so the vertical load of the bearing is "
+           "constant.";
+  return fmt::format("The vertical load of the bearing varies by {}.",
+                     fmt::join(causes, " and by "));
 }
 
 std::vector<std::string> scope_of(const Config& file, const MachineNode& machine) {

@@ -83,7 +83,18 @@ void check(const IsolatedPlant& plant) {
   if (!(plant.vertical_frequency > 0)) throw Error{"plant: vertical frequency must be positive"};
   if (!(plant.vertical_damping >= 0 && plant.vertical_damping < 1))
     throw Error{"plant: vertical damping must lie between 0 and 1"};
+  if (!(std::abs(plant.bearing_long) <= plant.plan_long / 2 &&
+        std::abs(plant.bearing_lat) <= plant.plan_lat / 2))
+    throw Error{"plant: the tested bearing must stand under the basemat"};
   for (const auto& stick : plant.sticks) check(stick);
+}
+
+// Compression of the tested bearing per force at height 1 m. On a rigid basemat it grows with the
+// distance from the centre; n bearings on a side L have the second moment n L²/12. @returns [1/m]
+double compression_per_moment(const IsolatedPlant& plant, int direction) {
+  const double side = direction == 0 ? plant.plan_long : plant.plan_lat;
+  const double place = direction == 0 ? plant.bearing_long : plant.bearing_lat;
+  return 12 * place / (plant.bearings * side * side);
 }
 
 int floor_at(const Stick& stick, double elevation, int first) {
@@ -119,6 +130,7 @@ PlantMatrices assemble(const IsolatedPlant& plant) {
   matrices.vertical_frequency = plant.vertical_frequency;
   matrices.vertical_damping = plant.vertical_damping;
   matrices.M(0, 0) = matrices.M(1, 1) = plant.basemat_mass;
+  if (plant.overturns()) matrices.overturning = VectorXd::Zero(dofs);
   for (int i = 0; i < dofs; ++i) matrices.iota(i, i % kDirections) = 1;
 
   int first = kDirections;
@@ -128,11 +140,14 @@ PlantMatrices assemble(const IsolatedPlant& plant) {
     for (int direction = 0; direction < kDirections; ++direction) {
       const double frequency = direction == 0 ? stick.frequency_long : stick.frequency_lat;
       const auto stick_direction = stick_matrices(m, frequency, plant.damping_ratio);
+      const double per_moment = compression_per_moment(plant, direction);
       add_relative(matrices.K, stick_direction.K, first + direction, direction);
       add_relative(matrices.C, stick_direction.C, first + direction, direction);
       for (Eigen::Index i = 0; i < n; ++i) {
         const Eigen::Index dof = first + direction + kDirections * i;
         matrices.M(dof, dof) = m[i];
+        if (plant.overturns())
+          matrices.overturning[dof] = per_moment * stick.elevations[static_cast<std::size_t>(i)];
       }
     }
     matrices.floor_names.push_back(stick.name);

@@ -79,6 +79,10 @@ PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
     require_slow_bearing(plant_, bearing_initial_stiffness, time_step);
     extrapolation_.emplace(plant_.M, plant_.C, plant_.K, time_step / substeps_, alpha);
   }
+  if (plant_.overturning.size() > 0) {
+    overturning_stiffness_ = plant_.K * plant_.overturning;
+    overturning_damping_ = plant_.C * plant_.overturning;
+  }
   if (vertical == VerticalFeedback::Model || plant_.bearings == 0) return;
   const double omega = 2 * std::numbers::pi * plant_.vertical_frequency;
   vertical_stiffness_ = plant_.mass_per_bearing * omega * omega;
@@ -89,30 +93,39 @@ PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
   vertical_restoring_ = vertical_load_ = Eigen::VectorXd::Zero(1);
 }
 
+// The masses push their sticks with K u + C v: their inertia forces.
+double PlantAnalysis::predicted_overturning() const noexcept {
+  if (overturning_stiffness_.size() == 0) return 0;
+  if (extrapolation_)
+    return overturning_stiffness_.dot(extrapolation_->displacement()) +
+           overturning_damping_.dot(extrapolation_->velocity());
+  return overturning_stiffness_.dot(integrator_.predicted_displacement()) +
+         overturning_damping_.dot(integrator_.predicted_velocity());
+}
+
 // A bearing cannot pull.
 void PlantAnalysis::predict_vertical() noexcept {
-  double force = 0;
+  double force = overturning_ = predicted_overturning();
   if (vertical_integrator_) {
     const double compression = vertical_integrator_->predict()[0];
-    force = vertical_stiffness_ * compression +
-            vertical_damping_ * vertical_integrator_->predicted_velocity()[0];
+    force += vertical_stiffness_ * compression +
+             vertical_damping_ * vertical_integrator_->predicted_velocity()[0];
   } else {
     const double before = motion_.vertical_at(static_cast<double>(steps_ - 1) * time_step_);
-    force = plant_.mass_per_bearing *
-            vertical_.advance(vertical_step_, before, motion_.vertical_at(time_));
+    force += plant_.mass_per_bearing *
+             vertical_.advance(vertical_step_, before, motion_.vertical_at(time_));
   }
   vertical_force_ = std::max(force, -plant_.mass_per_bearing * kStandardGravity);
 }
 
 Eigen::Vector2d PlantAnalysis::predict() noexcept {
   time_ = static_cast<double>(++steps_) * time_step_;
-  if (plant_.bearings > 0) predict_vertical();
-  if (extrapolation_) {
+  if (extrapolation_)
     extrapolate();
-    return target_.now;
-  }
-  restoring_force_.noalias() = plant_.K * integrator_.predict();
-  return {integrator_.predicted_displacement()[0], integrator_.predicted_displacement()[1]};
+  else
+    restoring_force_.noalias() = plant_.K * integrator_.predict();
+  if (plant_.bearings > 0) predict_vertical();
+  return extrapolation_ ? target_.now : integrator_.predicted_displacement().head<2>();
 }
 
 void PlantAnalysis::load_at(double time) noexcept { load_.noalias() = inertia_ * motion_.at(time); }
@@ -145,9 +158,10 @@ void PlantAnalysis::interpolate() noexcept {
 
 void PlantAnalysis::correct(const Eigen::Vector2d& bearing_force, double vertical_force) noexcept {
   if (vertical_integrator_) {
-    // The measured force contains the dashpot's at the predicted velocity, which α-OS adds itself.
-    vertical_restoring_[0] =
-        vertical_force - vertical_damping_ * vertical_integrator_->predicted_velocity()[0];
+    // The measured force contains the dashpot's at the predicted velocity, which α-OS adds itself,
+    // and that of overturning, which all bearings together do not have.
+    vertical_restoring_[0] = vertical_force - overturning_ -
+                             vertical_damping_ * vertical_integrator_->predicted_velocity()[0];
     vertical_load_[0] = plant_.mass_per_bearing * motion_.vertical_at(time_);
     vertical_integrator_->correct(vertical_restoring_, vertical_load_);
   }

@@ -283,6 +283,22 @@ TEST(Numerical, IntegratesTheMeasuredVerticalForce) {
   EXPECT_NE(analysis.vertical_force(), 0);
 }
 
+// Without a vertical component of the motion, overturning alone varies the load.
+TEST(Numerical, SendsTheOverturningOfABearingOffTheCentre) {
+  NumericalSettings s = numerical_settings();
+  s.plant.bearing_lat = 40;
+  const auto solver = make_numerical(s);
+  Partner partner{*solver, {"long", "lat"}};
+  sim::PlantAnalysis analysis{sim::assemble(s.plant), s.motion, s.bearing_initial_stiffness,
+                              s.integration_step, s.alpha};
+
+  while (partner.targets < 1) ASSERT_EQ(partner.tick(), Status::Ok);
+  analysis.predict();
+  EXPECT_EQ(partner.bench.out("opf.vert.force.target"), analysis.vertical_force());
+  while (partner.targets < 20) ASSERT_EQ(partner.tick(), Status::Ok);
+  EXPECT_NE(partner.bench.out("opf.vert.force.target"), 0);
+}
+
 TEST(Numerical, RefusesVerticalFeedbackWithoutVerticalMotion) {
   NumericalSettings s = numerical_settings();
   s.vertical_feedback = sim::VerticalFeedback::Measured;

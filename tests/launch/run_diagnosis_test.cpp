@@ -126,7 +126,8 @@ TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
 }
 
 // The accelerometer of the demo has a filter of 100 Hz, which takes about 0.2 % from the motion.
-TEST(RunDiagnosis, NamesNoSensorInTheDemo) {
+// The load varies by a third, which other kinds of friction do not follow.
+TEST(RunDiagnosis, NamesNoSensorAndNoOtherFrictionInTheDemo) {
   const test::TemporaryFolder folder;
 
   const auto run = run_example(folder.path(), {"--set", "seed=13"}, 2 * kDeadline, kDemo);
@@ -136,6 +137,11 @@ TEST(RunDiagnosis, NamesNoSensorInTheDemo) {
   expect_honest(verdict, 13);
   for (const auto& cause : verdict["causes"])
     EXPECT_NE(cause["part"], "sensor") << verdict["sentence"];
+  const auto friction =
+      std::find_if(verdict["causes"].begin(), verdict["causes"].end(),
+                   [](const Json& cause) { return cause["name"] == "load_dependent_friction"; });
+  ASSERT_NE(friction, verdict["causes"].end()) << verdict["sentence"];
+  EXPECT_TRUE((*friction)["alternatives"].empty()) << verdict["sentence"];
 }
 
 // The model has an inertia for each axis, which the machine takes.

@@ -124,12 +124,29 @@ TEST(Description, QuotesTheExperimentOfTheRecording) {
   EXPECT_TRUE(says(analysis, "terms of specimen and machine: machine.load_dependent_friction."));
   EXPECT_TRUE(says(analysis, "differs in: specimen.lead_heating (off)."));
   EXPECT_TRUE(says(analysis, "Tested axis: long."));
-  EXPECT_TRUE(says(analysis, "varies the vertical load"));
+  EXPECT_TRUE(says(analysis, "assumptions of this project"));
+  EXPECT_TRUE(says(analysis, "load of the bearing varies by vertical motion of the ground."));
 }
 
 // An experiment with only these nodes, by their adapters.
 Analysis described_with(const std::string& nodes, const std::string& more = "[motion]\n") {
   return Recorded{{}, "", "name = \"shake\"\n" + more + nodes}.described();
+}
+
+TEST(Description, SaysWhatVariesTheVerticalLoad) {
+  const std::string nodes =
+      "[node.opf]\nadapter = \"numerical\"\n[node.srmd]\nadapter = \"srmd\"\n";
+  const auto load_is = [&](const std::string& tables, const std::string& expected) {
+    return says(described_with(nodes, tables), "The vertical load of the bearing " + expected);
+  };
+  const std::string corner = "[plant]\nbearing_long_m = -40\n";
+  EXPECT_TRUE(load_is("[motion]\n", "is constant."));
+  EXPECT_TRUE(load_is(corner, "varies by overturning of the structure."));
+  EXPECT_TRUE(load_is(corner + "[motion]\nfile_vert = \"up.AT2\"\n",
+                      "varies by vertical motion of the ground and by overturning of the "
+                      "structure."));
+  EXPECT_TRUE(says(described_with("[node.opf]\nadapter = \"opensees\"\n", corner),
+                   "The vertical load of the bearing is constant."));
 }
 
 TEST(Description, IsOfModelsWhereAModelPlaysTheMachine) {
@@ -165,7 +182,8 @@ TEST(Description, SaysThatAnIdealMachineHasNoVerticalAxis) {
   const Analysis analysis =
       described_with("[node.xpc]\nadapter = \"ideal_machine\"\n", "[motion]\ncolumn_vert = 3\n");
 
-  EXPECT_TRUE(says(analysis, "does not vary the vertical load of the bearing."));
+  EXPECT_TRUE(
+      says(analysis, "has no vertical axis, so the vertical load of the bearing is constant."));
 }
 
 TEST(Description, NamesCommandedDisplacementsWhereThereIsNoEarthquake) {

@@ -42,7 +42,7 @@ class Numerical final : public Adapter {
 
   NumericalSettings settings_;
   std::size_t axes_;
-  bool is_vertical_;                      ///< the motion has a vertical component
+  bool is_vertical_;                      ///< the vertical load varies
   bool reads_vertical_;                   ///< the measured vertical force is fed back
   std::vector<Eigen::Index> directions_;  ///< of each tested axis: 0 long, 1 lat
   Solution solution_;
@@ -58,14 +58,16 @@ class Numerical final : public Adapter {
 Numerical::Numerical(const NumericalSettings& settings)
     : settings_{settings},
       axes_{settings.axes.size()},
-      is_vertical_{!settings.history && !settings.motion.vert_acceleration.empty()},
+      is_vertical_{!settings.history &&
+                   (!settings.motion.vert_acceleration.empty() || settings.plant.overturns())},
       reads_vertical_{settings.vertical_feedback == sim::VerticalFeedback::Measured},
       solution_{make_solution(settings)},
       random_{settings.computing_time ? settings.computing_time->seed : 0},
       handshake_{settings.wait_deadline, settings.handshake} {
   if (reads_vertical_ && !is_vertical_ && !settings.history)
     throw Error{
-        "numerical: vertical_feedback is measured, but the motion has no vertical component"};
+        "numerical: vertical_feedback is measured, but the vertical load is constant, expected a "
+        "motion with a vertical component, or a bearing off the centre"};
   for (const auto& axis : settings.axes) {
     if (axis != "long" && axis != "lat")
       throw Error{"numerical: axis '" + axis + "' is not in the model, expected long or lat"};

@@ -53,6 +53,11 @@ sim::IsolatedPlant read_plant(const Config& table) {
   plant.bearings = static_cast<int>(table.integer_in("bearings", 1, 100'000, plant.bearings));
   plant.spectrum_elevation =
       table.number_in("spectrum_elevation_m", 0, 1000, plant.spectrum_elevation);
+  plant.plan_long = table.number_in("plan_long_m", 1, 10'000, plant.plan_long);
+  plant.plan_lat = table.number_in("plan_lat_m", 1, 10'000, plant.plan_lat);
+  plant.bearing_long =
+      table.number_in("bearing_long_m", -plant.plan_long / 2, plant.plan_long / 2, 0);
+  plant.bearing_lat = table.number_in("bearing_lat_m", -plant.plan_lat / 2, plant.plan_lat / 2, 0);
   if (table.has("stick")) {
     plant.sticks.clear();
     for (const auto& stick : table.tables("stick")) plant.sticks.push_back(read_stick(stick));

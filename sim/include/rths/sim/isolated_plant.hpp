@@ -21,7 +21,8 @@ struct Stick {
   double frequency_lat = 0;        ///< [Hz]
 };
 
-/// A plant on seismic isolators that all move alike: one tested bearing represents all of them.
+/// A plant on seismic isolators that all move alike: one tested bearing represents all of them. The
+/// isolators stand evenly under a rectangular basemat.
 struct IsolatedPlant {
   double basemat_mass = 0;  ///< [kg]
   std::vector<Stick> sticks;
@@ -30,6 +31,12 @@ struct IsolatedPlant {
   double spectrum_elevation = 47.5;  ///< of the floor spectra [m]
   double vertical_frequency = 9.5;   ///< of the plant on its bearings, vertical mode [Hz]
   double vertical_damping = 0.05;    ///< ratio of the vertical mode [-]
+  double plan_long = 110;            ///< sides of the basemat [m]
+  double plan_lat = 90;              ///< [m]
+  double bearing_long = 0;           ///< the tested bearing's place, from the basemat's centre [m]
+  double bearing_lat = 0;            ///< [m]
+  /// True if horizontal motion varies the compression of the tested bearing.
+  [[nodiscard]] bool overturns() const { return bearing_long != 0 || bearing_lat != 0; }
 };
 
 /// Static load on one bearing [N].
@@ -48,6 +55,8 @@ struct PlantMatrices {
   double mass_per_bearing = 0;    ///< [kg]
   double vertical_frequency = 0;  ///< [Hz]
   double vertical_damping = 0;    ///< [-]
+  /// Compression of the tested bearing per force of the masses [-]; empty if there is none.
+  Eigen::VectorXd overturning;
   std::vector<std::string> floor_names;  ///< one per stick
   std::vector<int> floors;               ///< long degrees of freedom at the spectrum elevation
 

@@ -39,8 +39,9 @@ struct BearingPath {
 /// With substeps, the plant is integrated in parts of the time step, between the targets. The
 /// bearing's force is extrapolated for the target, then interpolated between measured forces.
 ///
-/// Vertically the plant is one mass on bearings, independent of the horizontal motion. The vertical
-/// force is a target for the specimen.
+/// Vertically the plant is one mass on bearings, independent of the horizontal motion. A bearing
+/// that stands off the centre also carries its part of the overturning moment. The sum is a target
+/// for the specimen.
 class PlantAnalysis {
  public:
   /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
@@ -61,8 +62,8 @@ class PlantAnalysis {
   void correct(const Eigen::Vector2d& bearing_force, double vertical_force = 0) RTHS_REALTIME;
 
   [[nodiscard]] double time() const { return time_; }  ///< end of the step [s]
-  /// Compression added to one bearing by the vertical motion, at the end of the step begun [N];
-  /// bounded below by minus the weight (uplift).
+  /// Compression added to one bearing by the vertical motion and by overturning, at the end of the
+  /// step begun [N]; bounded below by minus the weight (uplift).
   [[nodiscard]] double vertical_force() const { return vertical_force_; }
   [[nodiscard]] Eigen::Vector2d ground_acceleration() const { return ground_; }  ///< [m/s²]
   [[nodiscard]] Eigen::Vector2d predicted_velocity() const;  ///< of the bearing [m/s]
@@ -73,6 +74,7 @@ class PlantAnalysis {
 
  private:
   void predict_vertical() noexcept;
+  [[nodiscard]] double predicted_overturning() const noexcept;
   void extrapolate() noexcept;
   void interpolate() noexcept;
   void load_at(double time) noexcept;
@@ -90,6 +92,9 @@ class PlantAnalysis {
   AlphaOs integrator_;
   std::optional<AlphaOs> extrapolation_;  ///< to the next target; with substeps
   BearingPath target_, force_;            ///< of the bearing [m], of all bearings [N]
+  /// Compression by overturning per displacement [N/m] and velocity [N·s/m]; empty if there is none
+  Eigen::VectorXd overturning_stiffness_, overturning_damping_;
+  double overturning_ = 0;  ///< compression at the end of the step begun [N]
   OscillatorStep vertical_step_;
   Oscillator vertical_;
   std::optional<AlphaOs> vertical_integrator_;  ///< of the compression of a bearing; Measured only
