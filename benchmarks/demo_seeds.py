@@ -8,7 +8,8 @@ from results_file import TREE
 
 SEEDS = range(11, 21)
 CLOCKS = {"virtual": ["--clock", "virtual"], "real": []}
-HIDDEN = ("adiabatic_heating", "load_dependent_friction")  # the simulation omits both
+FRICTION = "load_dependent_friction"
+HIDDEN = ("adiabatic_heating", FRICTION)  # the simulation omits both
 HEATING = ("adiabatic_heating", "lead_heating")
 SURE = 0.9
 
@@ -49,6 +50,7 @@ def of_run(folder, clock, seed):
         "clock": clock, "seed": seed, "conclusive": report["conclusive"], "host_late_max_ms": report["host_late_max_ms"],
         "rows_missing": report["rows_missing"], "causes": causes, "both_named": len(named) == 2,
         "both_named_or_tied": len(named) == 2 or (len(named | tied) == 2 and verdict["next_test"] is not None),
+        "friction_without_alternatives": any(cause["name"] == FRICTION and not cause["alternatives"] for cause in causes),
         "without_alternatives": len(named) == 2 and not any(cause["alternatives"] for cause in causes),
         "wrong_and_sure": any(not is_right(cause["name"]) and cause["confidence"] > SURE for cause in causes),
         "error_before": verdict["proof"]["nrmse_before"], "error_after": verdict["proof"]["nrmse_after"],
@@ -59,7 +61,8 @@ def of_run(folder, clock, seed):
 def summary(runs):
     """Counts over some runs, and the scatter of the improved simulation."""
     found = {key: sum(one[key] for one in runs) for key in
-             ("both_named", "both_named_or_tied", "without_alternatives", "wrong_and_sure", "conclusive")}
+             ("both_named", "both_named_or_tied", "friction_without_alternatives", "without_alternatives", "wrong_and_sure",
+              "conclusive")}
     found["runs"] = len(runs)
     complete = [one["budget"] for one in runs if len(one["budget"]) == 2]
     found["budgets"] = len(complete)

@@ -52,7 +52,7 @@ PAPERS_CONTROLLER = ('node.xpc={adapter="simulink_like", diagram="hybrid_control
                      'tune={feed_forward.velocity_gain_s=0, valve_feed_forward.value=4}}')
 PAPER_UNCOMPENSATED = "uncompensated.xpc={ats.enabled=0, valve_feed_forward.value=0}"
 SAME_SPECIMEN = ("--no-diagnosis", "--set", "model.specimen.lead_heating.enabled=true")  # in test and simulation
-NO_DEAD_BAND = "node.srmd.changes={actuator_long={dead_band=0}, actuator_lat={dead_band=0}}"
+NO_DEAD_BAND = ("node.srmd.changes.actuator_long.dead_band=0", "node.srmd.changes.actuator_lat.dead_band=0")
 SRMD_GOALS = {"delay_ms": 0.5, "delay_windows_largest_ms": 1.5, "nrms_percent": 0.2}  # of an axis, magnitudes
 FLOOR_GOAL = 5  # of the floor spectra [%]
 LOOPS = {"lprb": (0.210, 0.3), "eqsb": (0.152, 0.3), "tpfb": (0.584, 0.1)}  # amplitude [m], frequency [Hz]
@@ -120,7 +120,7 @@ def examples(rths):
             "demo": run("srmd_platen_2d.toml"),
             "platen": run("srmd_platen_2d.toml", *SAME_SPECIMEN),
             "platen_seed_7": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", "seed=7"),
-            "platen_without_dead_band": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", NO_DEAD_BAND),
+            "platen_without_dead_band": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", NO_DEAD_BAND[0], "--set", NO_DEAD_BAND[1]),
             "platen_ats": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", PAPERS_CONTROLLER, "--set", PAPER_UNCOMPENSATED),
             "eqsb": run("srmd_eqsb_2d.toml", "--no-diagnosis"),
             "tpfb": run("srmd_tpfb_2d.toml", "--no-diagnosis"),

@@ -15,11 +15,11 @@ AXES = ("long", "lat")
 FACTOR = 1.5
 # One change of sim/machines/srmd.toml each. The constants of the controller stay those of the nominal machine.
 MACHINES = {
-    "without_dead_band": "{actuator_long={dead_band=0}, actuator_lat={dead_band=0}}",
-    "dead_band_0_02": "{actuator_long={dead_band=0.02}, actuator_lat={dead_band=0.02}}",
-    "valve_11_Hz": "{actuator_long={valve_frequency_Hz=11}, actuator_lat={valve_frequency_Hz=11}}",
-    "bulk_modulus_1_04_GPa": "{supply={bulk_modulus_Pa=1.04e9}}",
-    "friction_0_003": "{friction={coefficient=0.003}}",
+    "without_dead_band": ("actuator_long.dead_band=0", "actuator_lat.dead_band=0"),
+    "dead_band_0_02": ("actuator_long.dead_band=0.02", "actuator_lat.dead_band=0.02"),
+    "valve_11_Hz": ("actuator_long.valve_frequency_Hz=11", "actuator_lat.valve_frequency_Hz=11"),
+    "bulk_modulus_1_04_GPa": ("supply.bulk_modulus_Pa=1.04e9",),
+    "friction_0_003": ("friction.coefficient=0.003",),
 }
 
 
@@ -76,6 +76,7 @@ def summary(rows):
 
 def predictions(rths):
     rows = {seed: row(rths, "--set", f"seed={seed}") for seed in SEEDS}
-    machines = {name: row(rths, "--set", f"node.srmd.changes={changes}") for name, changes in MACHINES.items()}
+    machines = {name: row(rths, *(option for change in changes for option in ("--set", f"node.srmd.changes.{change}")))
+                for name, changes in MACHINES.items()}
     return {"factor": FACTOR, "noise": summary(list(rows.values())),
             "seeds": {str(seed): one for seed, one in rows.items()}, "machines": machines}

@@ -19,15 +19,20 @@ from results_file import RESULTS, TREE, commit, machine, stamp, write
 EXAMPLES = TREE / "examples"
 SILENT = ", ".join(f"{key}=0" for key in ("displacement_noise_m", "rotation_noise_rad", "force_noise_N",
                                           "vertical_force_noise_N", "moment_noise_N_m", "acceleration_noise_m_per_s2"))
-CHANGES = "node.srmd.changes={%s}"
-PRESSURE = "actuator_long={pressure_gain=%g}, actuator_lat={pressure_gain=%g}"
+CHANGES = "node.srmd.changes.%s"
+
+
+def pressure_gain(gain):
+    return [CHANGES % f"actuator_{axis}.pressure_gain={gain}" for axis in ("long", "lat")]
+
+
 RUNS = {  # names on the page, and what differs from the demo
     "as it is": [],
     "without sensor noise": [CHANGES % f"transducers={{{SILENT}}}"],
     "without friction of the machine": [CHANGES % "friction={coulomb_N=[0, 0], viscous_N_s_per_m=[0, 0], coefficient=0}"],
-    "without dead band": [keep.NO_DEAD_BAND],
-    "no pressure feedback at the valves": [CHANGES % PRESSURE % (0, 0)],
-    "twice the pressure feedback": [CHANGES % PRESSURE % (0.1, 0.1)],
+    "without dead band": list(keep.NO_DEAD_BAND),
+    "no pressure feedback at the valves": pressure_gain(0),
+    "twice the pressure feedback": pressure_gain(0.1),
     "memory of the inverse 10 s": ["node.xpc.blocks.inverse.forgetting_s=10"],
     "command without average and notch": ["node.xpc.blocks.inverse.average_s=0",
                                           "node.xpc.blocks.inverse.oil_column_Hz=[0, 0]",
