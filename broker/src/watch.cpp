@@ -87,6 +87,8 @@ struct Watch::State {
   void note_plain_joins();
   void update_members(std::vector<PlainStore>& found);
   [[nodiscard]] bool settle(Member& member, std::vector<PlainStore>& found);
+  [[nodiscard]] bool settle_word(Member& member, LongwordOffset offset,
+                                 std::vector<PlainStore>& found);
   void read_journals();
   void expect(const Write& write);
   void accept_words_of(const std::string& owner);
@@ -151,18 +153,22 @@ bool Watch::State::settle(Member& member, std::vector<PlainStore>& found) {
   bool complete = true;
   for (const auto& partition : ring.map().partitions()) {
     if (partition.node != member.name) continue;
-    for (std::uint32_t i = 0; i < partition.longwords; ++i) {
-      const LongwordOffset offset{partition.base.value() + i};
-      const std::uint32_t value = word(offset.value());
-      if (value == expected[offset.value()]) continue;
-      const Judgement judgement = judged(offset, value);
-      complete = complete && judgement != Judgement::Leave;
-      if (judgement == Judgement::Take)
-        journal(member, {offset, value, member.name, true, {}, WallClock{}.now()}, found);
-    }
+    for (std::uint32_t i = 0; i < partition.longwords; ++i)
+      complete = settle_word(member, LongwordOffset{partition.base.value() + i}, found) && complete;
   }
   if (complete) member.on_behalf.reset();
   return complete;
+}
+
+// @returns false if the word is left to who judges
+bool Watch::State::settle_word(Member& member, LongwordOffset offset,
+                               std::vector<PlainStore>& found) {
+  const std::uint32_t value = word(offset.value());
+  if (value == expected[offset.value()]) return true;
+  const Judgement judgement = judged(offset, value);
+  if (judgement == Judgement::Take)
+    journal(member, {offset, value, member.name, true, {}, WallClock{}.now()}, found);
+  return judgement != Judgement::Leave;
 }
 
 void Watch::State::read_journals() {

@@ -130,7 +130,7 @@ PlantMatrices assemble(const IsolatedPlant& plant) {
   matrices.vertical_frequency = plant.vertical_frequency;
   matrices.vertical_damping = plant.vertical_damping;
   matrices.M(0, 0) = matrices.M(1, 1) = plant.basemat_mass;
-  if (plant.overturns()) matrices.overturning = VectorXd::Zero(dofs);
+  matrices.overturning = VectorXd::Zero(dofs);
   for (int i = 0; i < dofs; ++i) matrices.iota(i, i % kDirections) = 1;
 
   int first = kDirections;
@@ -146,8 +146,7 @@ PlantMatrices assemble(const IsolatedPlant& plant) {
       for (Eigen::Index i = 0; i < n; ++i) {
         const Eigen::Index dof = first + direction + kDirections * i;
         matrices.M(dof, dof) = m[i];
-        if (plant.overturns())
-          matrices.overturning[dof] = per_moment * stick.elevations[static_cast<std::size_t>(i)];
+        matrices.overturning[dof] = per_moment * stick.elevations[static_cast<std::size_t>(i)];
       }
     }
     matrices.floor_names.push_back(stick.name);

@@ -79,7 +79,7 @@ PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
     require_slow_bearing(plant_, bearing_initial_stiffness, time_step);
     extrapolation_.emplace(plant_.M, plant_.C, plant_.K, time_step / substeps_, alpha);
   }
-  if (plant_.overturning.size() > 0) {
+  if ((plant_.overturning.array() != 0).any()) {
     overturning_stiffness_ = plant_.K * plant_.overturning;
     overturning_damping_ = plant_.C * plant_.overturning;
   }

@@ -55,7 +55,7 @@ struct PlantMatrices {
   double mass_per_bearing = 0;    ///< [kg]
   double vertical_frequency = 0;  ///< [Hz]
   double vertical_damping = 0;    ///< [-]
-  /// Compression of the tested bearing per force of the masses [-]; empty if there is none.
+  /// Compression of the tested bearing per force of the masses [-]; empty without bearings.
   Eigen::VectorXd overturning;
   std::vector<std::string> floor_names;  ///< one per stick
   std::vector<int> floors;               ///< long degrees of freedom at the spectrum elevation
