@@ -35,7 +35,7 @@ import adaptive
 import demo_seeds
 import opensees_runs
 import pretest
-from results_file import RESULTS, TREE, commit, machine, stamp, write
+from results_file import RESULTS, TREE, commit, machine, set_options, stamp, write
 
 RUN_KEYS = ("name", "clock", "processes", "duration_s", "integration_step_s", "control_rate_hz", "overruns",
             "slow_downs", "slow_downs_excused", "host_late_max_ms", "steps_excused", "conclusive",
@@ -120,7 +120,7 @@ def examples(rths):
             "demo": run("srmd_platen_2d.toml"),
             "platen": run("srmd_platen_2d.toml", *SAME_SPECIMEN),
             "platen_seed_7": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", "seed=7"),
-            "platen_without_dead_band": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", NO_DEAD_BAND[0], "--set", NO_DEAD_BAND[1]),
+            "platen_without_dead_band": run("srmd_platen_2d.toml", *SAME_SPECIMEN, *set_options(NO_DEAD_BAND)),
             "platen_ats": run("srmd_platen_2d.toml", *SAME_SPECIMEN, "--set", PAPERS_CONTROLLER, "--set", PAPER_UNCOMPENSATED),
             "eqsb": run("srmd_eqsb_2d.toml", "--no-diagnosis"),
             "tpfb": run("srmd_tpfb_2d.toml", "--no-diagnosis"),

@@ -7,7 +7,7 @@ import statistics
 import subprocess
 import tempfile
 
-from results_file import TREE
+from results_file import TREE, set_options
 
 SAME_SPECIMEN = ("--set", "model.specimen.lead_heating.enabled=true")
 SEEDS = (1992, 7, *range(11, 17))  # first the example's
@@ -76,7 +76,7 @@ def summary(rows):
 
 def predictions(rths):
     rows = {seed: row(rths, "--set", f"seed={seed}") for seed in SEEDS}
-    machines = {name: row(rths, *(option for change in changes for option in ("--set", f"node.srmd.changes.{change}")))
+    machines = {name: row(rths, *set_options(f"node.srmd.changes.{change}" for change in changes))
                 for name, changes in MACHINES.items()}
     return {"factor": FACTOR, "noise": summary(list(rows.values())),
             "seeds": {str(seed): one for seed, one in rows.items()}, "machines": machines}

@@ -36,3 +36,8 @@ def write(path, result):
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(json.dumps(result, indent=2, ensure_ascii=False) + "\n")
     print(f"wrote {path}")
+
+
+def set_options(changes):
+    """Options of the command that set keys of an experiment, "key=value" each."""
+    return [part for change in changes for part in ("--set", change)]

@@ -14,7 +14,7 @@ import subprocess
 import tempfile
 
 import keep
-from results_file import RESULTS, TREE, commit, machine, stamp, write
+from results_file import RESULTS, TREE, commit, machine, set_options, stamp, write
 
 EXAMPLES = TREE / "examples"
 SILENT = ", ".join(f"{key}=0" for key in ("displacement_noise_m", "rotation_noise_rad", "force_noise_N",
@@ -69,7 +69,7 @@ def measure(rths, seconds):
         file, common = experiment(folder)
         for run, changes in RUNS.items():
             out = folder / run.replace(" ", "_")
-            options = [part for change in [*common, f"duration_s={seconds}", *changes] for part in ("--set", change)]
+            options = set_options([*common, f"duration_s={seconds}", *changes])
             subprocess.run([rths, "run", str(file), "--clock", "virtual", "--no-diagnosis", "--out", str(out), *options],
                            stdout=subprocess.DEVNULL, check=True)
             axes = json.loads((out / "report.json").read_text())["axes"]

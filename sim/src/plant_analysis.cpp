@@ -96,11 +96,11 @@ PlantAnalysis::PlantAnalysis(PlantMatrices plant, GroundMotion motion,
 // The masses push their sticks with K u + C v: their inertia forces.
 double PlantAnalysis::predicted_overturning() const noexcept {
   if (overturning_stiffness_.size() == 0) return 0;
-  if (extrapolation_)
-    return overturning_stiffness_.dot(extrapolation_->displacement()) +
-           overturning_damping_.dot(extrapolation_->velocity());
-  return overturning_stiffness_.dot(integrator_.predicted_displacement()) +
-         overturning_damping_.dot(integrator_.predicted_velocity());
+  const Eigen::VectorXd& u =
+      extrapolation_ ? extrapolation_->displacement() : integrator_.predicted_displacement();
+  const Eigen::VectorXd& v =
+      extrapolation_ ? extrapolation_->velocity() : integrator_.predicted_velocity();
+  return overturning_stiffness_.dot(u) + overturning_damping_.dot(v);
 }
 
 // A bearing cannot pull.

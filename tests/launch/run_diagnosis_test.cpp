@@ -126,7 +126,7 @@ TEST(RunDiagnosis, ComparesEveryCauseWithItsRivalsInTheFinalModel) {
 }
 
 // The accelerometer of the demo has a filter of 100 Hz, which takes about 0.2 % from the motion.
-// The load varies by a third, which other kinds of friction do not follow.
+// The load varies by up to a third, which other kinds of friction do not follow.
 TEST(RunDiagnosis, NamesNoSensorAndNoOtherFrictionInTheDemo) {
   const test::TemporaryFolder folder;
 
