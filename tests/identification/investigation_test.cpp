@@ -89,6 +89,23 @@ TEST(Investigation, OfAnEffectThatIsNoCandidateIsUnknown) {
   EXPECT_TRUE(found->proof.is_systematic());
 }
 
+// Beside an unknown rest, a candidate that explains 80 % of the residual is named, and one that
+// explains 20 % only resembles part of the effect.
+TEST(Investigation, NamesBesideAnUnknownEffectOnlyWhatExplainsMost) {
+  Investigated most{.named = 4, .unknown = 2}, little{.named = 2, .unknown = 4};
+  const auto named = most.found(), unknown = little.found();
+
+  EXPECT_TRUE(named->is_unknown());
+  EXPECT_TRUE(named->is_named());
+  EXPECT_NEAR(named->proof.explained(), 0.8, 0.05);
+  EXPECT_TRUE(unknown->is_unknown());
+  EXPECT_FALSE(unknown->is_named());
+  EXPECT_EQ(unknown->proof.explained(), 0);
+  ASSERT_EQ(unknown->withdrawn.size(), 1U);
+  EXPECT_EQ(unknown->withdrawn[0].candidate.name, "x");
+  EXPECT_EQ(unknown->withdrawn[0].reason, "most of the residual remains unknown");
+}
+
 // A residual of the variance 1 + 1.3² in one record is an event; 1 + 0.7² may be noise.
 TEST(Investigation, OfAnEventOfOneRecordIsUnknown) {
   for (const double size : {0.7, 1.3}) {

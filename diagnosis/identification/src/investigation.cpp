@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include <rths/identification/forms.hpp>
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr double kExplained = 0.85;  // of the systematic residual: the rest is a remainder
 constexpr double kHasForm = 0.3;     // of the remainder: it has this form
+constexpr double kMostly = 0.5;      // of the systematic residual: the least beside an unknown rest
 
 // Whether a sensor of the outputs has a sine at rest, which is an effect and no noise.
 bool has_line(const Relation& relation, const SensorNoise& noise) {
@@ -56,6 +58,22 @@ void prove(Investigation& found, Progress& progress) {
     found.descriptions = describe(Supposition{*found.problem, found.selection.named}, found.folds);
 }
 
+// The smaller share of the systematic residual that the named terms explain: in the fit or in the
+// proof.
+double explained_by(const Investigation& found) {
+  return std::min(found.selection.explained(), found.proof.explained());
+}
+
+// An unknown effect resembles terms of the catalogue in part. Those that leave more than half of
+// the residual are no causes.
+void withdraw_resemblances(Investigation& found, Progress& progress) {
+  if (!found.is_named() || !found.is_unknown() || explained_by(found) >= kMostly) return;
+  auto all = withdraw_all(*found.problem, found.folds, "most of the residual remains unknown",
+                          found.selection);
+  std::move(all.begin(), all.end(), std::back_inserter(found.withdrawn));
+  prove(found, progress);
+}
+
 }  // namespace
 
 bool Investigation::has_remainder() const {
@@ -65,8 +83,7 @@ bool Investigation::has_remainder() const {
 }
 
 bool Investigation::is_unknown() const {
-  const double explained = std::min(selection.explained(), proof.explained());
-  if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
+  if (!has_remainder() || (is_named() && explained_by(*this) >= kExplained)) return false;
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.
@@ -109,6 +126,7 @@ std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
     found->withdrawn.push_back(std::move(*one));
     prove(*found, progress);
   }
+  withdraw_resemblances(*found, progress);
   renew_ties(*found);
   return found;
 }

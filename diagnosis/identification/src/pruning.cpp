@@ -219,6 +219,15 @@ std::vector<Withdrawn> prune(Problem& problem, const Problem* held_out, const Fo
   return Pruning{problem, held_out, folds, noise, selection}.run();
 }
 
+std::vector<Withdrawn> withdraw_all(Problem& problem, const Folds& folds, const std::string& reason,
+                                    Selection& selection) {
+  std::vector<Withdrawn> withdrawn;
+  for (std::size_t i = selection.rounds.size(); i-- > 0;)
+    if (!is_rule(selection.rounds[i]))
+      withdrawn.push_back(withdraw(problem, folds, selection, i, reason));
+  return withdrawn;
+}
+
 std::optional<Withdrawn> withdraw_for_form(Problem& problem, const Folds& folds,
                                            const std::vector<Description>& forms,
                                            Selection& selection) {

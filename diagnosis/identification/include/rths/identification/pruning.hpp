@@ -24,6 +24,10 @@ struct Withdrawn {
                                            const Folds& folds, const SensorNoise& noise,
                                            Selection& selection);
 
+/// Withdraws all selected candidates except rules of hysteresis. Fits the model after each.
+[[nodiscard]] std::vector<Withdrawn> withdraw_all(Problem& problem, const Folds& folds,
+                                                  const std::string& reason, Selection& selection);
+
 /// Withdraws the candidate whose effect the best form of the residual explains as well, if that
 /// form explains more than the candidate: an unknown effect resembles a term in part. Fits the
 /// model again.
