@@ -284,6 +284,30 @@ TEST(Select, NamesNoPairThatExplainsHalf) {
   EXPECT_TRUE(with_hidden_pair({{"unknown", std::sqrt(0.3)}}).selected().rounds.empty());
 }
 
+Candidate with_signal(const std::string& name, const std::string& effect, int price) {
+  Candidate candidate = friction(name);
+  candidate.frees = {size_parameter(effect + ".coefficient")};
+  candidate.adds.clear();
+  candidate.price = price;
+  return candidate;
+}
+
+// Twelve candidates and their special case have one signal. The screening takes the first ten.
+TEST(Select, ComparesATermWithItsSpecialCase) {
+  SixCandidates six{{{"e3", 1}}, 3};
+  for (const bool is_special : {false, true}) {
+    six.relation.known.clear();
+    for (char id = 'a'; id < 'm'; ++id) {
+      six.relation.known.push_back(with_signal(std::string{"general "} + id, "e3", 2));
+      if (is_special) six.relation.known.back().contains = {"special"};
+    }
+    six.relation.known.push_back(with_signal("special", "e3", 1));
+
+    EXPECT_EQ(names_in(six.selected().rounds),
+              std::set<std::string>{is_special ? "special" : "general a"});
+  }
+}
+
 // With estimates of ±z₁ and ±z₂ deviations on the two folds, the gain of an absent effect is
 // 2 z₁ z₂ - ½ (z₁² + z₂²), at most ½ (z₁² + z₂²). That exceeds the accepted 18 nat with probability
 // exp(-18). With 120 candidates in 20 records, a false alarm has the probability 2·10⁻⁶.

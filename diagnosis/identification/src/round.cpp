@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <rths/core/contains.hpp>
+
 namespace rths::diagnosis {
 namespace {
 
@@ -112,21 +114,28 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
   }
 }
 
-// As try_best, but all fits start at the values of the whole model.
+// As try_best, but all fits start at the values of the whole model. The holder is tried first, and
+// its special cases, which may have failed from far away.
 void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
                        std::vector<TrialFit>& trials) const {
-  const auto screened = screened_by(Supposition{problem_, base_}, folds_.first, candidates);
+  auto screened = screened_by(Supposition{problem_, base_}, folds_.first, candidates);
+  const double best = screened.empty() ? 0 : screened[0].gain;
+  const auto comes_first = [&](const Screened& one) {
+    return is_same(*one.candidate, term.holder) ||
+           contains(term.holder.contains, one.candidate->name);
+  };
+  const auto rivals = std::stable_partition(screened.begin(), screened.end(), comes_first);
   std::size_t tried = 0;
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
-  for (const auto& one : screened) {
-    const bool holds = is_same(*one.candidate, term.holder);
-    const bool is_weak = one.gain < std::max(effort_.least, kTriedShare * screened[0].gain);
-    if (!holds && (is_weak || ++tried > effort_.tried)) continue;
-    TrialFit trial{one.candidate, {}, base};
-    const std::size_t tries = holds ? 1 : std::min(one.starts.size(), effort_.starts);
+  for (auto one = screened.begin(); one != screened.end(); ++one) {
+    const bool is_weak = one->gain < std::max(effort_.least, kTriedShare * best);
+    if (one >= rivals && (is_weak || ++tried > effort_.tried)) continue;
+    TrialFit trial{one->candidate, {}, base};
+    const bool holds = is_same(*one->candidate, term.holder);
+    const std::size_t tries = holds ? 1 : std::min(one->starts.size(), effort_.starts);
     for (std::size_t k = 0; k < tries; ++k)
-      fit_shortly(in_place(base_, *one.candidate, one.starts[k], term.whole, term.holder), trial);
+      fit_shortly(in_place(base_, *one->candidate, one->starts[k], term.whole, term.holder), trial);
     if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
   }
 }
