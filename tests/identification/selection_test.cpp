@@ -51,6 +51,12 @@ struct SixCandidates {
   }
 };
 
+std::vector<double>& values_in(Record& record, const std::string& role) {
+  return std::find_if(record.channels.begin(), record.channels.end(),
+                      [&](const Channel& channel) { return channel.role == role; })
+      ->values;
+}
+
 std::set<std::string> names_in(const std::vector<SelectionRound>& rounds) {
   std::set<std::string> names;
   for (const auto& round : rounds) names.insert(round.chosen.candidate.name);
@@ -217,12 +223,8 @@ TEST(Select, FindsAnEffectThatTheVarianceOfTheResidualHides) {
 TEST(Select, KeepsAnEffectThatShowsInFewSeconds) {
   SixCandidates six{{{"e5", -1.5}}, 2};
   for (auto& record : six.records) {
-    const auto find = [&](const std::string& role) {
-      return std::find_if(record.channels.begin(), record.channels.end(),
-                          [&](const Channel& channel) { return channel.role == role; });
-    };
-    auto& signal = find("input.e2.coefficient.0")->values;
-    auto& measured = find("output.0")->values;
+    auto& signal = values_in(record, "input.e2.coefficient.0");
+    auto& measured = values_in(record, "output.0");
     for (std::size_t row = 0; row < signal.size(); ++row) {
       const std::size_t second = row / 20;
       if (second != 4 && second != 14 && second != 24) signal[row] = 0;
@@ -243,25 +245,20 @@ TEST(Select, NamesNoneOfSeveralThatExplainSomeOfTheRest) {
   EXPECT_EQ(names_in(selection.rounds), std::set<std::string>{"e5"});
 }
 
-// Two effects of size 3. On the first record, their signals have the correlation ρ = 0.8, on the
-// second −ρ. A fit of one alone to a record has the size 3 (1 ± ρ), which loses ½ · 600 · 9 (6 ρ² −
-// 2) = 4968 nat on both records: neither is accepted alone.
-SixCandidates with_hidden_pair(const std::map<std::string, double>& truth) {
-  constexpr double kSize = 3, kCorrelation = 0.8;
+// Two effects of one size s. On the first record, their signals have the correlation ρ = 0.8, on
+// the second −ρ. A fit of one alone to a record has the size s (1 ± ρ), which loses ½ · 600 · s²
+// (6 ρ² − 2) nat on both records, 4968 for the size 3: neither is accepted alone.
+SixCandidates with_hidden_pair(const std::map<std::string, double>& truth, double size = 3) {
+  constexpr double kCorrelation = 0.8;
   SixCandidates six{truth, 3};
   for (auto& record : six.records) {
     const double correlation = &record == &six.records[0] ? kCorrelation : -kCorrelation;
-    const auto find = [&](const std::string& role) -> std::vector<double>& {
-      return std::find_if(record.channels.begin(), record.channels.end(),
-                          [&](const Channel& channel) { return channel.role == role; })
-          ->values;
-    };
-    const auto& one = find("input.e2.coefficient.0");
-    auto& other = find("input.e5.coefficient.0");
-    auto& measured = find("output.0");
+    const auto& one = values_in(record, "input.e2.coefficient.0");
+    auto& other = values_in(record, "input.e5.coefficient.0");
+    auto& measured = values_in(record, "output.0");
     for (std::size_t row = 0; row < measured.size(); ++row) {
       other[row] = correlation * one[row] + std::sqrt(1 - correlation * correlation) * other[row];
-      measured[row] += kSize * (one[row] + other[row]);
+      measured[row] += size * (one[row] + other[row]);
     }
   }
   return six;
@@ -282,6 +279,44 @@ TEST(Select, FindsTwoEffectsOfWhichNeitherPredictsAlone) {
 // unknown one 2.7: they explain 57 %.
 TEST(Select, NamesNoPairThatExplainsHalf) {
   EXPECT_TRUE(with_hidden_pair({{"unknown", std::sqrt(0.3)}}).selected().rounds.empty());
+}
+
+// The third effect gains ½ · 600 · 0.2² = 12 nat on each record, which is more than the pair's two
+// gain alone. It is not accepted either, and nothing is beside it.
+TEST(Select, FindsAPairBesideACandidateThatPredictsALittle) {
+  const auto names = names_in(with_hidden_pair({{"e3", 0.2}}).selected().rounds);
+
+  EXPECT_TRUE(names.contains("e2") && names.contains("e5"));
+}
+
+// On the second record, two effects of size 50 have 50² (2 − 2 ρ) = 1000 times the noise's energy.
+// An error of 2 % of their form has 0.4 times.
+TEST(Select, FindsALargePairWithAnErrorOfItsForm) {
+  for (const auto& [rest, found] : {std::pair{0.3, true}, {1.0, false}}) {
+    const SixCandidates six = with_hidden_pair({{"unknown", std::sqrt(rest)}}, 50);
+    EXPECT_EQ(names_in(six.selected().rounds).contains("e2"), found) << rest;
+  }
+}
+
+// An unknown effect has another sign on the other record. Each of 17 candidates explains it on one
+// record, and none on both. They hide a smaller effect from the screening, until one of them is in
+// the model.
+TEST(Select, FindsAnEffectThatOthersHideWhichAreNotAccepted) {
+  SixCandidates six{{{"e3", 1}}, 3};
+  six.relation.known = {friction("e3")};
+  for (char id = 'a'; id < 'r'; ++id)
+    six.relation.known.insert(six.relation.known.begin(), friction(std::string{"other "} + id));
+  for (auto& record : six.records) {
+    const VectorXd sine = sine_of(120, kSelectRows);
+    const std::vector<double> signal(sine.begin(), sine.end());
+    auto& measured = values_in(record, "output.0");
+    const double size = &record == &six.records[0] ? 1.5 : -1.5;
+    for (std::size_t row = 0; row < measured.size(); ++row) measured[row] += size * signal[row];
+    for (char id = 'a'; id < 'r'; ++id)
+      record.channels.push_back({std::string{"input.other "} + id + ".coefficient.0", "N", signal});
+  }
+
+  EXPECT_EQ(names_in(six.selected().rounds), std::set<std::string>{"e3"});
 }
 
 Candidate with_signal(const std::string& name, const std::string& effect, int price) {

@@ -92,6 +92,7 @@ void Round::compare(double base, std::vector<TrialFit> trials) {
   keep_best(base, trials);
   problem_.progress().begin_step("full fits", trials.size());
   for (auto& trial : trials) finish(trial);
+  if (!contenders_.empty()) best_fit_ = contenders_[0];
   sort();
   allow_for_noise();
   reverse();

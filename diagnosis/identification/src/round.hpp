@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <rths/identification/scores.hpp>
 #include <rths/identification/selection.hpp>
 
@@ -41,6 +43,9 @@ class Round {
   /// The hypothesis without any candidate, fitted on the first fold.
   [[nodiscard]] const Hypothesis& base() const { return base_; }
   [[nodiscard]] std::vector<Contender>& contenders() { return contenders_; }  ///< best first
+  /// The candidate that fits the first fold best, however it predicts the second one; none if no
+  /// candidate was fitted.
+  [[nodiscard]] std::optional<Contender>& best_fit() { return best_fit_; }
 
  private:
   /// A candidate after a short fit from its best start.
@@ -71,6 +76,7 @@ class Round {
   Hypothesis base_;
   std::vector<double> base_scores_;
   std::vector<Contender> contenders_;
+  std::optional<Contender> best_fit_;
 };
 
 }  // namespace rths::diagnosis

@@ -143,16 +143,23 @@ class Selector {
   }
 
   // Of two large effects, a fit with one alone imitates the other, which fails on another record.
-  // So the best candidate of a round without a winner may be accepted together with that of the
-  // next round, if the two leave little. @returns whether they were accepted
+  // So a candidate of a round without a winner may be accepted together with the winner of the next
+  // round, if the two leave little: the one of the largest gain, or else the one that fits best.
+  // @returns whether any was accepted
   bool add_pair() {
-    if (selection_.last.empty() || effects() + 2 > kMostTerms || !explains_little(std::nullopt) ||
-        !predicts(selection_.last[0].fitted))
+    if (selection_.last.empty() || effects() + 2 > kMostTerms || !explains_little(std::nullopt))
       return false;
+    const Contender first = selection_.last[0], best_fit = *best_fit_;
+    return add_pair_with(first) ||
+           (!is_same(best_fit.candidate, first.candidate) && add_pair_with(best_fit));
+  }
+
+  bool add_pair_with(const Contender& one) {
+    if (!predicts(one.fitted)) return false;
     const Selection selection = selection_;
     const Hypothesis before = current_;
-    add({selection.last[0], {}, {}});
-    begin_stage(fmt::format("search beside {}", selection.last[0].candidate.name));
+    add({one, {}, {}});
+    begin_stage(fmt::format("search beside {}", one.candidate.name));
     auto won = round_with({});
     if (won && explain_the_rest(before, won->chosen.fitted)) {
       add(std::move(*won));
@@ -163,7 +170,24 @@ class Selector {
     selection_ = selection;
     current_ = before;
     problem_.renew_noise(current_);
-    return false;
+    return won && !depends_on(won->chosen.candidate, one.candidate) && add_alone(*won);
+  }
+
+  // The winner beside a candidate that was not accepted may be acceptable without it: its own fit
+  // may have failed from far away. @returns whether it was accepted
+  bool add_alone(SelectionRound& won) {
+    auto rounds = selection_.rounds;
+    rounds.push_back(won);
+    const auto is_any = [](const SelectionRound&) { return true; };
+    const Hypothesis with = with_rounds(selection_.base, rounds, is_any, won.chosen.fitted);
+    won.chosen.fitted = fitted(problem_, with, folds_.first, kLongFit);
+    if (!predicts(won.chosen.fitted) ||
+        !is_beneficial(losses(scores_of_both(current_), scores_of_both(won.chosen.fitted)),
+                       accepted(current_, true), seed_))
+      return false;
+    add(std::move(won));
+    settle();
+    return true;
   }
 
   // Whether a model predicts all records; one that was fitted to a fold may diverge on another.
@@ -174,9 +198,11 @@ class Selector {
     return true;
   }
 
-  // Whether a model with more terms leaves little, and gains by them as much as one term must.
+  // Whether a model with more terms leaves little beside errors of their form, and gains by them as
+  // much as one term must.
   [[nodiscard]] bool explain_the_rest(const Hypothesis& before, const Hypothesis& after) const {
-    return variance_of(after) - 1 < kMuch &&
+    const double most = kMuch + kFormShare * std::max(0.0, variance_of(before) - 1);
+    return variance_of(after) - 1 < most &&
            is_beneficial(losses(scores_of_both(before), scores_of_both(after)),
                          accepted(before, true), seed_);
   }
@@ -203,7 +229,10 @@ class Selector {
                 effort};
     auto won = winner(round, nullptr);
     if (won && won->chosen.gain < 2 * effort.least) return std::nullopt;
-    if (!won) selection_.last = std::move(round.contenders());
+    if (!won) {
+      selection_.last = std::move(round.contenders());
+      best_fit_ = std::move(round.best_fit());
+    }
     return won;
   }
 
@@ -382,7 +411,8 @@ class Selector {
   const Folds& folds_;
   std::uint64_t seed_;
   Hypothesis stated_, current_;
-  Hypothesis unexplained_;  // without the terms that are still to be found
+  Hypothesis unexplained_;             // without the terms that are still to be found
+  std::optional<Contender> best_fit_;  // of the round without a winner that `last` describes
   Selection selection_;
 };
 
