@@ -142,6 +142,23 @@ TEST_F(Pruning, WithdrawsACandidateThatHardlyHelps) {
             Reasons{"x: it explains less than 0.1 % of the unseen records' error"});
 }
 
+// x is 4·10⁻⁴ of the energy of the error. y leaves four times the noise, which is all x.
+TEST_F(Pruning, KeepsACandidateThatExplainsMostOfTheRest) {
+  add(friction("y"));
+  add(friction("x"));
+
+  EXPECT_EQ(reasons({2, 100, 0}, {{2, 100, 0}}), Reasons{});
+}
+
+// y leaves 13 times the noise, of which x explains a third: it may be an error of the form of y.
+TEST_F(Pruning, WithdrawsACandidateThatExplainsSomeOfTheRest) {
+  add(friction("y"));
+  add(friction("x"));
+
+  EXPECT_EQ(reasons({2, 100, 3}, {{2, 100, 3}}),
+            Reasons{"x: it explains less than 0.1 % of the unseen records' error"});
+}
+
 // x is 2.4 % of the energy of the error on the unseen record, and 4.8 % on the others.
 TEST_F(Pruning, WithdrawsACorrectionOfTheFormThatExplainsLittle) {
   Candidate correction = friction("x");

@@ -58,16 +58,11 @@ void prove(Investigation& found, Progress& progress) {
     found.descriptions = describe(Supposition{*found.problem, found.selection.named}, found.folds);
 }
 
-// The smaller share of the systematic residual that the named terms explain: in the fit or in the
-// proof.
-double explained_by(const Investigation& found) {
-  return std::min(found.selection.explained(), found.proof.explained());
-}
-
 // An unknown effect resembles terms of the catalogue in part. Those that leave more than half of
-// the residual are no causes.
+// the residual, in the mean of the fit and the proof, are no causes.
 void withdraw_resemblances(Investigation& found, Progress& progress) {
-  if (!found.is_named() || !found.is_unknown() || explained_by(found) >= kMostly) return;
+  if (!found.is_named() || !found.is_unknown()) return;
+  if (found.selection.explained() + found.proof.explained() >= 2 * kMostly) return;
   auto all = withdraw_all(*found.problem, found.folds, "most of the residual remains unknown",
                           found.selection);
   std::move(all.begin(), all.end(), std::back_inserter(found.withdrawn));
@@ -83,7 +78,8 @@ bool Investigation::has_remainder() const {
 }
 
 bool Investigation::is_unknown() const {
-  if (!has_remainder() || (is_named() && explained_by(*this) >= kExplained)) return false;
+  const double explained = std::min(selection.explained(), proof.explained());
+  if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.

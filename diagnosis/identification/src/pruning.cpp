@@ -24,7 +24,8 @@ constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on t
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kLeastShareOfCorrection =
     0.05;                            // as kLeastShare, of a candidate that corrects the form
-constexpr double kSeenShare = 0.25;  // of the same: seen in spite of the noise
+constexpr double kMostOfRest = 0.5;  // of the error that the others leave beyond the noise
+constexpr double kSeenShare = 0.25;  // of the energy of the error: seen in spite of the noise
 constexpr double kLeastShift = 0.1;  // of the time between samples
 
 constexpr double kTakenOver = 0.5;  // of a candidate's energy, by a form
@@ -154,8 +155,13 @@ class Pruning {
       if (held.with[k] - bare[k] > kWorse * std::max(bare[k], held.noise[k]))
         return fmt::format("with it, {} is predicted worse", held_out_->record(k).name);
     const double gain = sum(bare) - sum(held.with);
+    // An error of the form of the others is explained in part. What explains most is an effect.
+    const double excess = sum(bare) - sum(held.noise);
+    const bool explains_rest =
+        !candidate.corrects_form && excess > sum(held.noise) && gain > kMostOfRest * excess;
     const double least = candidate.corrects_form ? kLeastShareOfCorrection : kLeastShare;
-    const bool is_small = gain < least * sum(held.base) && fit_share(rest) < kFitShare;
+    const bool is_small =
+        !explains_rest && gain < least * sum(held.base) && fit_share(rest) < kFitShare;
     return is_small ? fmt::format("it explains less than {:g} % of the unseen records' error",
                                   100 * least)
                     : "";
