@@ -24,7 +24,7 @@ constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on t
 constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
 constexpr double kLeastShareOfCorrection =
     0.05;                            // as kLeastShare, of a candidate that corrects the form
-constexpr double kMostOfRest = 0.5;  // of the error that the others leave beyond the noise
+constexpr double kRestShare = 0.5;   // of the error that the others leave beyond the noise
 constexpr double kSeenShare = 0.25;  // of the energy of the error: seen in spite of the noise
 constexpr double kLeastShift = 0.1;  // of the time between samples
 
@@ -158,7 +158,7 @@ class Pruning {
     // An error of the form of the others is explained in part. What explains most is an effect.
     const double excess = sum(bare) - sum(held.noise);
     const bool explains_rest =
-        !candidate.corrects_form && excess > sum(held.noise) && gain > kMostOfRest * excess;
+        !candidate.corrects_form && excess > sum(held.noise) && gain > kRestShare * excess;
     const double least = candidate.corrects_form ? kLeastShareOfCorrection : kLeastShare;
     const bool is_small =
         !explains_rest && gain < least * sum(held.base) && fit_share(rest) < kFitShare;
