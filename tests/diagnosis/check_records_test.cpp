@@ -10,9 +10,12 @@
 
 #include "one_axis.hpp"
 #include "support/files.hpp"
+#include "support/record_values.hpp"
 
 namespace rths::diagnosis {
 namespace {
+
+using test_support::values_in;
 
 Record record_of_guide(const std::string& name, Use use, unsigned seed) {
   constexpr double kSpring = 2e5, kDamper = 3e3;  // [N/m], [N·s/m]
@@ -32,12 +35,6 @@ Case guide() {
       "model");
   c.model.fitted.push_back({"polynomial_stiffness.linear", std::nullopt});
   return c;
-}
-
-std::vector<double>& values_in(Record& record, const std::string& role) {
-  for (auto& channel : record.channels)
-    if (channel.role == role) return channel.values;
-  throw Error{"no " + role};
 }
 
 void fill(Record& record, const std::string& role, double value) {

@@ -1,19 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/identification/selection.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
 
 #include "identification/linear_relation.hpp"
+#include "support/record_values.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
+using test_support::values_in;
 
 constexpr Index kSelectRows = 600;    // of each of two records
 constexpr double kSelectStep = 0.05;  // 30 blocks of 1 s
@@ -51,10 +52,13 @@ struct SixCandidates {
   }
 };
 
-std::vector<double>& values_in(Record& record, const std::string& role) {
-  return std::find_if(record.channels.begin(), record.channels.end(),
-                      [&](const Channel& channel) { return channel.role == role; })
-      ->values;
+// A candidate with the signal of the effect "e3".
+Candidate twin(const std::string& name, int price) {
+  Candidate candidate = friction(name);
+  candidate.frees = {size_parameter("e3.coefficient")};
+  candidate.adds.clear();
+  candidate.price = price;
+  return candidate;
 }
 
 std::set<std::string> names_in(const std::vector<SelectionRound>& rounds) {
@@ -319,24 +323,16 @@ TEST(Select, FindsAnEffectThatOthersHideWhichAreNotAccepted) {
   EXPECT_EQ(names_in(six.selected().rounds), std::set<std::string>{"e3"});
 }
 
-Candidate with_signal(const std::string& name, const std::string& effect, int price) {
-  Candidate candidate = friction(name);
-  candidate.frees = {size_parameter(effect + ".coefficient")};
-  candidate.adds.clear();
-  candidate.price = price;
-  return candidate;
-}
-
 // Twelve candidates and their special case have one signal. The screening takes the first ten.
 TEST(Select, ComparesATermWithItsSpecialCase) {
   SixCandidates six{{{"e3", 1}}, 3};
   for (const bool is_special : {false, true}) {
     six.relation.known.clear();
     for (char id = 'a'; id < 'm'; ++id) {
-      six.relation.known.push_back(with_signal(std::string{"general "} + id, "e3", 2));
+      six.relation.known.push_back(twin(std::string{"general "} + id, 2));
       if (is_special) six.relation.known.back().contains = {"special"};
     }
-    six.relation.known.push_back(with_signal("special", "e3", 1));
+    six.relation.known.push_back(twin("special", 1));
 
     EXPECT_EQ(names_in(six.selected().rounds),
               std::set<std::string>{is_special ? "special" : "general a"});
@@ -354,11 +350,8 @@ TEST(Select, FindsNothingInNoise) {
 // Two names for one signal: no data can tell them apart, so the cheaper one wins.
 TEST(Select, ChoosesTheCheaperOfTwoEquals) {
   SixCandidates six{{{"e3", 1}}, 3};
-  Candidate twin = friction("twin");
-  twin.frees = {size_parameter("e3.coefficient")};
-  twin.adds.clear();
   for (auto& candidate : six.relation.known) candidate.price = 2;
-  six.relation.known.push_back(twin);
+  six.relation.known.push_back(twin("twin", 1));
 
   const Selection selection = six.selected();
 

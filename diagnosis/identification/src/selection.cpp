@@ -170,21 +170,18 @@ class Selector {
     selection_ = selection;
     current_ = before;
     problem_.renew_noise(current_);
-    return won && !depends_on(won->chosen.candidate, one.candidate) && add_alone(*won);
+    return won && !depends_on(won->chosen.candidate, one.candidate) && add_alone(std::move(*won));
   }
 
   // The winner beside a candidate that was not accepted may be acceptable without it: its own fit
   // may have failed from far away. @returns whether it was accepted
-  bool add_alone(SelectionRound& won) {
+  bool add_alone(SelectionRound won) {
     auto rounds = selection_.rounds;
     rounds.push_back(won);
     const auto is_any = [](const SelectionRound&) { return true; };
     const Hypothesis with = with_rounds(selection_.base, rounds, is_any, won.chosen.fitted);
     won.chosen.fitted = fitted(problem_, with, folds_.first, kLongFit);
-    if (!predicts(won.chosen.fitted) ||
-        !is_beneficial(losses(scores_of_both(current_), scores_of_both(won.chosen.fitted)),
-                       accepted(current_, true), seed_))
-      return false;
+    if (!predicts(won.chosen.fitted) || !gains_enough(current_, won.chosen.fitted)) return false;
     add(std::move(won));
     settle();
     return true;
@@ -202,8 +199,12 @@ class Selector {
   // much as one term must.
   [[nodiscard]] bool explain_the_rest(const Hypothesis& before, const Hypothesis& after) const {
     const double most = kMuch + kFormShare * std::max(0.0, variance_of(before) - 1);
-    return variance_of(after) - 1 < most &&
-           is_beneficial(losses(scores_of_both(before), scores_of_both(after)),
+    return variance_of(after) - 1 < most && gains_enough(before, after);
+  }
+
+  // Whether a model with more terms gains by them as much as one term must.
+  [[nodiscard]] bool gains_enough(const Hypothesis& before, const Hypothesis& after) const {
+    return is_beneficial(losses(scores_of_both(before), scores_of_both(after)),
                          accepted(before, true), seed_);
   }
 
