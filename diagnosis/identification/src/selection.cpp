@@ -2,17 +2,16 @@
 #include <rths/identification/selection.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
 
-#include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
 
 #include "acceptance.hpp"
+#include "model_comparison.hpp"
 #include "named_model.hpp"
 #include "round.hpp"
 
@@ -27,7 +26,6 @@ constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that th
 constexpr double kAloneOfRest = 0.2;       // or of this share, if no other term gains half as much
 constexpr double kFormShare = 4e-4;        // of a larger term's gain: an error of 2 % of its form
 constexpr double kMuch = 0.15;             // mean w² beyond 1 that is left to explain
-constexpr double kWhite = 1.02;            // mean w² of a residual that is noise, without scatter
 
 // Every candidate of a round, in no order.
 std::vector<Contender> contenders_of(const SelectionRound& round) {
@@ -49,29 +47,13 @@ void drop_named(std::vector<SelectionRound>& rounds) {
   }
 }
 
-// Whether a relation compares two sensors of one motion.
-bool compares_sensors(const Relation& relation) {
-  const auto drivers = relation.drivers();
-  return !drivers.empty() && drivers[0].starts_with("displacement.") &&
-         relation.outputs()[0].first.starts_with("acceleration.");
-}
-
-// Whether a candidate changes the prediction by so much that it counts. Two sensors of one motion
-// are read at unknown instants, and calibrated to half a percent; a lag of 1.5 ms takes as much.
-bool is_material(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
-                 const Fold& fold) {
-  constexpr double kCalibrated = 5e-3;
-  const bool are_sensors = compares_sensors(problem.relation());
-  return change_of(problem, before, after, fold, are_sensors) >=
-         (are_sensors ? kCalibrated : kMaterial);
-}
-
 class Selector {
  public:
   Selector(Problem& problem, const Folds& folds, std::uint64_t seed, Selection selection = {})
       : problem_{problem},
         folds_{folds},
         seed_{seed},
+        comparison_{problem, folds, seed},
         stated_{problem.relation().base()},
         selection_{std::move(selection)} {}
 
@@ -155,7 +137,7 @@ class Selector {
   }
 
   bool add_pair_with(const Contender& one) {
-    if (!predicts(one.fitted)) return false;
+    if (!comparison_.predicts(one.fitted)) return false;
     const Selection selection = selection_;
     const Hypothesis before = current_;
     add({one, {}, {}});
@@ -181,31 +163,24 @@ class Selector {
     const auto is_any = [](const SelectionRound&) { return true; };
     const Hypothesis with = with_rounds(selection_.base, rounds, is_any, won.chosen.fitted);
     won.chosen.fitted = fitted(problem_, with, folds_.first, kLongFit);
-    if (!predicts(won.chosen.fitted) || !gains_enough(current_, won.chosen.fitted)) return false;
+    if (!comparison_.predicts(won.chosen.fitted) || !gains_enough(current_, won.chosen.fitted))
+      return false;
     add(std::move(won));
     settle();
-    return true;
-  }
-
-  // Whether a model predicts all records; one that was fitted to a fold may diverge on another.
-  [[nodiscard]] bool predicts(const Hypothesis& model) const {
-    const Supposition supposition{problem_, model};
-    for (std::size_t i = 0; i < problem_.records(); ++i)
-      if (supposition.prediction(i).size() == 0) return false;
     return true;
   }
 
   // Whether a model with more terms leaves little beside errors of their form, and gains by them as
   // much as one term must.
   [[nodiscard]] bool explain_the_rest(const Hypothesis& before, const Hypothesis& after) const {
-    const double most = kMuch + kFormShare * std::max(0.0, variance_of(before) - 1);
-    return variance_of(after) - 1 < most && gains_enough(before, after);
+    const double most = kMuch + kFormShare * std::max(0.0, comparison_.variance(before) - 1);
+    return comparison_.variance(after) - 1 < most && gains_enough(before, after);
   }
 
   // Whether a model with more terms gains by them as much as one term must.
   [[nodiscard]] bool gains_enough(const Hypothesis& before, const Hypothesis& after) const {
-    return is_beneficial(losses(scores_of_both(before), scores_of_both(after)),
-                         accepted(before, true), seed_);
+    return comparison_.gains(comparison_.scores(before), comparison_.scores(after),
+                             accepted(before, true));
   }
 
   // A residual that is noise as a whole may still contain a small effect, which the test of one
@@ -213,7 +188,7 @@ class Selector {
   // half of it in screening, on one fold.
   [[nodiscard]] Effort usual_effort() const {
     Effort effort;
-    if (selection_.rounds.empty() || !is_noise(current_)) return effort;
+    if (selection_.rounds.empty() || !comparison_.is_noise(current_)) return effort;
     double largest = 0;
     for (const auto& round : selection_.rounds) largest = std::max(largest, round.chosen.gain);
     effort.least = std::max(accepted(current_, true), 0.5 * kFormShare * largest);
@@ -240,26 +215,9 @@ class Selector {
   // Whether far more is left to explain than a round has explained: a fit may have stalled.
   [[nodiscard]] bool explains_little(const std::optional<SelectionRound>& won) const {
     constexpr double kLittle = 0.2;
-    const double excess = variance_of(current_) - 1;
+    const double excess = comparison_.variance(current_) - 1;
     const double left = 0.5 * observations(problem_, folds_.both) * excess;
     return excess > kMuch && (!won || won->chosen.gain < kLittle * left);
-  }
-
-  // On rows that it was not fitted to.
-  [[nodiscard]] double variance_of(const Hypothesis& hypothesis) const {
-    return Supposition{problem_, hypothesis}.variance(folds_.second);
-  }
-
-  // Whether nothing is left to explain. If the sensors' noise is less than stated, an effect hides
-  // in its size, but not in its colour.
-  [[nodiscard]] bool is_noise(const Hypothesis& hypothesis) const {
-    const Supposition named{problem_, hypothesis};
-    const double n = observations(problem_, folds_.second);
-    if (!(named.variance(folds_.second) < kWhite + 2 * std::sqrt(2 / n))) return false;
-    const auto& shares = folds_.second.shares;
-    return std::all_of(shares.begin(), shares.end(), [&](const Fold::Share& share) {
-      return whiteness_of(named, share.record).is_white;
-    });
   }
 
   // Smallest gain of a term that is accepted beside the others, in the noise of the round [nat].
@@ -267,7 +225,7 @@ class Selector {
   [[nodiscard]] double accepted(const Hypothesis& rest, bool is_alone) const {
     const double n = observations(problem_, folds_.both);
     const auto excess = [&](const Hypothesis& model) {
-      return 0.5 * n * std::max(0.0, variance_of(model) - 1);
+      return 0.5 * n * std::max(0.0, comparison_.variance(model) - 1);
     };
     // A large effect leaves small errors of its own form, which are no effects: many terms explain
     // a little of them. A term that explains most of what is left is one, or much of it alone.
@@ -283,7 +241,7 @@ class Selector {
     const double least = accepted(round.base(), contenders.size() == 1);
     const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
     if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
-        !is_material(problem_, round.base(), contenders[0].fitted, folds_.second))
+        !comparison_.is_material(round.base(), contenders[0].fitted))
       return std::nullopt;
     SelectionRound won = chosen(std::move(contenders), seed_);
     // Waiting candidates contain the chosen one as a special case, so they support it.
@@ -371,7 +329,7 @@ class Selector {
   void drop_redundant() {
     auto& rounds = selection_.rounds;
     if (rounds.size() < 2) return;
-    auto with = scores_of_both(current_);
+    auto with = comparison_.scores(current_);
     for (std::size_t i = 0; rounds.size() > 1 && i < rounds.size();) {
       if (is_needed(selection_, i)) {
         ++i;
@@ -381,8 +339,8 @@ class Selector {
       const Hypothesis rest =
           fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
                  kLongFit);
-      auto without = scores_of_both(rest);
-      if (is_beneficial(losses(without, with), kLeastAcceptedGain / 2, seed_)) {
+      auto without = comparison_.scores(rest);
+      if (comparison_.gains(without, with, kLeastAcceptedGain / 2)) {
         ++i;
         continue;
       }
@@ -393,24 +351,10 @@ class Selector {
     }
   }
 
-  // Held-out scores of a model that was fitted on the first fold, and after a fit on the second.
-  struct BothScores {
-    std::vector<double> second, first;  ///< by block [nat]
-  };
-  [[nodiscard]] BothScores scores_of_both(const Hypothesis& model) const {
-    return {scores(problem_, model, folds_.second),
-            scores(problem_, fitted(problem_, model, folds_.second, kShortFit), folds_.first)};
-  }
-  static std::vector<double> losses(const BothScores& without, const BothScores& with) {
-    auto all = minus(without.second, with.second);
-    const auto back = minus(without.first, with.first);
-    all.insert(all.end(), back.begin(), back.end());
-    return all;
-  }
-
   Problem& problem_;
   const Folds& folds_;
   std::uint64_t seed_;
+  ModelComparison comparison_;
   Hypothesis stated_, current_;
   Hypothesis unexplained_;             // without the terms that are still to be found
   std::optional<Contender> best_fit_;  // of the round without a winner that `last` describes
