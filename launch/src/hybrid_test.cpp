@@ -64,14 +64,12 @@ std::array<Value, 2> by_axis(const budget::HybridTest& test, const std::vector<V
   return placed;
 }
 
-void read_command(const Config& table, budget::HybridTest& test) {
-  const auto read = [&](const char* key, controller::Polynomial otherwise) {
-    return controller::polynomial_from_text(table.text(key, "")).value_or(otherwise);
-  };
-  test.command.predictor = read("predictor", test.command.predictor);
-  test.command.corrector = read("corrector", test.command.corrector);
-  test.command.slow_down_from = table.number("slow_down_from", test.command.slow_down_from);
-  test.command.largest_xi = table.number("largest_xi", test.command.largest_xi);
+void read_command(const Config& block, budget::HybridTest& test) {
+  const int substeps = test.command.substeps;
+  const double substep = test.rate * test.integration_step / substeps;
+  test.command = adapters::predictor_corrector_settings(block);
+  test.command.substeps = substeps;
+  test.sampling_delay = by_axis(test, adapters::sampling_delays(block, tested_axes(test), substep));
 }
 
 void read_block(const Config& block, budget::HybridTest& test) {
@@ -283,6 +281,9 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   check_gaps(experiment, run, "the recording");
   if (held_out != nullptr) check_gaps(experiment, *held_out, "the held-out recording");
   auto test = hybrid_test_of(experiment, run);
+  if (test.command.targets_carry_rates)
+    throw Error{experiment.file.string() +
+                ": the targets carry rates, which a mismatch budget does not repeat"};
   test.specimen_identified = improved.model;
   test.machine_identified = improved.assumed_machine;
   std::array<budget::TransferRecord, 2> records;

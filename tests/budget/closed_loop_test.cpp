@@ -75,6 +75,28 @@ TEST_F(ClosedLoop, TakesTheMemoryOfTheForceFromTheConstants) {
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-4);
 }
 
+TEST_F(ClosedLoop, ReproducesADelayedSample) {
+  const auto constants =
+      temporary.write("constants.toml", "[pc]\nsampling_delay_s = [0.001, 0.0005]\n");
+  make(false, {{"node.xpc.constants", constants.string()}});
+  EXPECT_EQ(hybrid.sampling_delay, (std::array{10, 5}));
+  EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-4);
+
+  hybrid.sampling_delay = {0, 0};
+  EXPECT_GT(difference(closed_loop(hybrid, kAll)), 1e-3);
+}
+
+TEST_F(ClosedLoop, HasNoBudgetIfTheTargetsCarryRates) {
+  const auto constants = temporary.write("constants.toml", "[pc]\ntargets_carry_rates = true\n");
+  make(false, {{"node.xpc.constants", constants.string()}});
+  const recording::Reader run{folder / "run.h5"};
+  EXPECT_EQ(test::error_of([&] {
+              static_cast<void>(launch::budget_of_run(experiment, experiment, run, nullptr));
+            }),
+            experiment.file.string() +
+                ": the targets carry rates, which a mismatch budget does not repeat");
+}
+
 TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
   make(false, {{"rate", "2"}, {"solver.overrun_fraction", "0.05"}, {"solver.overrun_s", "0.012"}});
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);

@@ -16,19 +16,13 @@ namespace {
 
 constexpr std::pair<double, double> kLead{-1, 1};  // far beyond a machine's delay [s], [s2]
 
-controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
-  const std::string name = table.text(key, "D2");
-  if (const auto polynomial = controller::polynomial_from_text(name)) return *polynomial;
-  table.fail(key, fmt::format("{} is '{}', expected P0 to P3, D1 to D3, DV or DVA", key, name));
-}
-
-std::vector<int> read_sampling_delay(const Config& table, const BlockContext& context,
-                                     const controller::PredictorCorrectorSettings& settings) {
-  std::vector<int> delays;
-  for (const double delay : per_axis(table, "sampling_delay_s", context, 0)) {
-    const int in_substeps = static_cast<int>(std::lround(delay / context.period));
-    const double ratio = static_cast<double>(in_substeps) / settings.substeps;
-    switch (controller::judge_delay(in_substeps, settings)) {
+// Warns of a delay that is long, and refuses one that is too long.
+std::vector<int> read_sampling_delays(const Config& table, const BlockContext& context,
+                                      const controller::PredictorCorrectorSettings& settings) {
+  auto delays = sampling_delays(table, context.run.axes, context.period);
+  for (const int delay : delays) {
+    const double ratio = static_cast<double>(delay) / settings.substeps;
+    switch (controller::judge_delay(delay, settings)) {
       case controller::DelayVerdict::Fine:
         break;
       case controller::DelayVerdict::Warned:
@@ -40,7 +34,6 @@ std::vector<int> read_sampling_delay(const Config& table, const BlockContext& co
                    fmt::format("the sampling delay is {:.2f} of the step, expected less than {:g}",
                                ratio, controller::refused_delay_ratio(settings.slow_down_from)));
     }
-    delays.push_back(in_substeps);
   }
   return delays;
 }
@@ -84,7 +77,7 @@ void add_parameter(Block& block, const Config& table, const std::string& name,
 }
 
 Block make_predictor_corrector(const Config& table, const BlockContext& context) {
-  controller::PredictorCorrectorSettings settings;
+  auto settings = predictor_corrector_settings(table);
   const bool is_single = table.flag("single", false);
   const std::string unit = table.text("unit", "m");
   if (unit != "m" && unit != "N")
@@ -94,11 +87,6 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
   settings.integration_step = context.run.integration_step;
   settings.simulation_step = context.run.simulation_step;
   settings.substeps = static_cast<int>(std::lround(settings.simulation_step / context.period));
-  settings.slow_down_from = table.number_in("slow_down_from", 0.1, 0.95, settings.slow_down_from);
-  settings.predictor = read_polynomial(table, "predictor");
-  settings.corrector = read_polynomial(table, "corrector");
-  settings.targets_carry_rates = table.flag("targets_carry_rates", false);
-  settings.largest_xi = table.number_in("largest_xi", 0.1, 0.99, settings.largest_xi);
   Block block;
   const bool each = !is_single;
   block.inputs = {{"new_target", kSingle, "1"},
@@ -123,7 +111,7 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
                    {"targets", kSingle, "1"},
                    {"target_time", kSingle, "s"}};
   const auto delays =
-      is_single ? std::vector<int>(1) : read_sampling_delay(table, context, settings);
+      is_single ? std::vector<int>(1) : read_sampling_delays(table, context, settings);
   block.kind = table.placed("name", [&] {
     return PredictorCorrectorBlock{settings, delays, context.period};
   });

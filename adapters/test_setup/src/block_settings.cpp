@@ -2,6 +2,7 @@
 #include <rths/adapters/block_settings.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -28,6 +29,12 @@ std::vector<double> per_axis_in(const Config& table, const std::string& key,
       table.fail(key, fmt::format("{} of axis '{}' is {}, expected {} to {}", key, kAxisOrder[i],
                                   given[i], range.low, range.high));
   return values;
+}
+
+controller::Polynomial read_polynomial(const Config& table, const std::string& key) {
+  const std::string name = table.text(key, "D2");
+  if (const auto polynomial = controller::polynomial_from_text(name)) return *polynomial;
+  table.fail(key, fmt::format("{} is '{}', expected P0 to P3, D1 to D3, DV or DVA", key, name));
 }
 
 // One value per axis and coefficient.
@@ -67,6 +74,24 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
                  fmt::format("{} has {} numbers, none for axis '{}'", key, given.size(), axis));
   }
   return values;
+}
+
+controller::PredictorCorrectorSettings predictor_corrector_settings(const Config& table) {
+  controller::PredictorCorrectorSettings settings;
+  settings.slow_down_from = table.number_in("slow_down_from", 0.1, 0.95, settings.slow_down_from);
+  settings.predictor = read_polynomial(table, "predictor");
+  settings.corrector = read_polynomial(table, "corrector");
+  settings.targets_carry_rates = table.flag("targets_carry_rates", false);
+  settings.largest_xi = table.number_in("largest_xi", 0.1, 0.99, settings.largest_xi);
+  return settings;
+}
+
+std::vector<int> sampling_delays(const Config& table, const std::vector<std::string>& axes,
+                                 double period) {
+  std::vector<int> delays;
+  for (const double delay : per_axis(table, "sampling_delay_s", axes, 0))
+    delays.push_back(static_cast<int>(std::lround(delay / period)));
+  return delays;
 }
 
 std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(

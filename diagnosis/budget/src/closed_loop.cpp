@@ -116,7 +116,7 @@ class SteppedRun {
         laboratory_{test, identified, 0},
         settings_{settings_of(test)},
         command_{settings_},
-        exchange_{{0, 0}, settings_},
+        exchange_{{test.sampling_delay[0], test.sampling_delay[1]}, settings_},
         arrival_{test.first_target} {
     target_.displacement = target_.velocity = target_.acceleration = Eigen::VectorXd::Zero(2);
     if (is_late_ && !test.arrivals.empty()) arrival_ = test.arrivals[0].last;

@@ -45,7 +45,7 @@ namespace rths::launch {
 /// @param held_out  recording of the same laboratory under another earthquake; null: none
 /// @throws Error if a recording lacks a signal or, from the first target on, rows of more than
 ///         five integration steps, if the run has no controller or another solver than `numerical`,
-///         or as budget::mismatch_budget does   @setup
+///         if its targets carry rates, or as budget::mismatch_budget does   @setup
 [[nodiscard]] budget::MismatchBudget budget_of_run(const Experiment& experiment,
                                                    const Experiment& improved,
                                                    const recording::Reader& run,

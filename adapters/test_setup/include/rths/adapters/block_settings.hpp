@@ -7,6 +7,7 @@
 
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/force_observer.hpp>
+#include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_force.hpp>
 #include <rths/core/config.hpp>
@@ -22,6 +23,15 @@ namespace rths::adapters {
 /// @throws Error with the key's place if the list is too short   @setup
 [[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
                                            const std::vector<std::string>& axes, double otherwise);
+
+/// Of a block `predictor_corrector`, but for axes and steps, which are those of the run.
+/// @throws Error with the place of a wrong value   @setup
+[[nodiscard]] controller::PredictorCorrectorSettings predictor_corrector_settings(
+    const Config& table);
+/// Sampling delays of such a block, one per axis [substeps].
+/// @param period  of a substep [s]   @throws Error with the key's place   @setup
+[[nodiscard]] std::vector<int> sampling_delays(const Config& table,
+                                               const std::vector<std::string>& axes, double period);
 
 /// A coefficient of a block `adaptive_inverse`.
 struct InverseCoefficient {

@@ -119,10 +119,11 @@ struct HybridTest {
   std::array<bool, 2> tested{true, true};  ///< axes; others have neither motion nor target
 
   // Numerical side, as identified
-  double integration_step = 0.01;  ///< model time [s]
-  int substeps = 1;                ///< of the integration between targets
-  double rate = 1;                 ///< wall time over model time
-  controller::PredictorCorrectorSettings command;
+  double integration_step = 0.01;                  ///< model time [s]
+  int substeps = 1;                                ///< of the integration between targets
+  double rate = 1;                                 ///< wall time over model time
+  controller::PredictorCorrectorSettings command;  ///< its targets carry no rates
+  std::array<int, 2> sampling_delay{};  ///< of the feedback behind the command [substeps]
   /// Controller ticks from "at target" to the arrival of the next target on a host that is never
   /// late, by step; the last value holds for later steps.
   std::vector<int> computing;
