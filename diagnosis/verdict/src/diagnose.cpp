@@ -2,7 +2,6 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -10,18 +9,18 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/error.hpp>
 #include <rths/experiment_design/next_test.hpp>
 #include <rths/identification/investigation.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/models/barred.hpp>
-#include <rths/models/dynamic_relation.hpp>
 #include <rths/models/relations.hpp>
-#include <rths/sim/composition.hpp>
+#include <rths/sim/term.hpp>
 
+#include "accelerometer_correction.hpp"
 #include "check_records.hpp"
 #include "improved.hpp"
 #include "limits.hpp"
+#include "relations_of_case.hpp"
 #include "report.hpp"
 #include "where.hpp"
 
@@ -29,94 +28,6 @@ namespace rths::diagnosis {
 namespace {
 
 using Investigations = std::vector<std::unique_ptr<Investigation>>;
-
-bool is_acceleration(const Investigation& found) {
-  return found.relation->outputs()[0].first.starts_with("acceleration");
-}
-
-using PerAxis = std::array<double, sim::kHorizontalAxes>;
-
-// The channels of one record that the correction of accelerometers uses, by axis; null: none.
-struct AccelerometerChannels {
-  std::array<Channel*, sim::kHorizontalAxes> acceleration{};
-  std::array<const Channel*, sim::kHorizontalAxes> displacement{};
-
-  explicit AccelerometerChannels(Record& record) {
-    for (auto& channel : record.channels)
-      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-        const char* name = axis == 0 ? "long" : "lat";
-        if (channel.role == fmt::format("acceleration.{}", name)) acceleration[axis] = &channel;
-        if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
-      }
-  }
-  [[nodiscard]] std::vector<PerAxis> measured(std::size_t samples) const {
-    std::vector<PerAxis> values(samples);
-    for (std::size_t k = 0; k < samples; ++k)
-      for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-        values[k][axis] = acceleration[axis] != nullptr ? acceleration[axis]->values[k] : 0;
-    return values;
-  }
-  void set(const std::vector<PerAxis>& corrected) const {
-    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-      if (acceleration[axis] != nullptr)
-        for (std::size_t k = 0; k < corrected.size(); ++k)
-          acceleration[axis]->values[k] = corrected[k][axis];
-  }
-};
-
-// Parameters of a composition of a hypothesis' terms at its values.
-std::vector<double> parameters_at(const Hypothesis& hypothesis,
-                                  const sim::Composition& composition) {
-  std::vector<double> parameters(composition.parameters().begin(), composition.parameters().end());
-  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
-    const std::string& name = hypothesis.free[i].name;
-    const auto dot = name.rfind('.');
-    const std::string prefix = name.substr(0, dot);
-    for (const auto& term : composition.terms())
-      if (term.name == prefix || term.name.starts_with(prefix + "."))
-        parameters[composition.parameter_index(term.name, name.substr(dot + 1))] =
-            hypothesis.values[static_cast<Eigen::Index>(i)];
-  }
-  return parameters;
-}
-
-// One iteration of a = T⁻¹(y): adds the difference between y and T(a) to a.
-void improve(std::vector<PerAxis>& a, const std::vector<PerAxis>& y, const Record& record,
-             const AccelerometerChannels& channels, const sim::Composition& composition,
-             const std::vector<double>& parameters) {
-  std::vector<double> state(composition.states());
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    sim::Quantities<double> q;
-    q.time = record.start + static_cast<double>(k) * record.time_step;
-    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-      q.acceleration[axis] = a[k][axis];
-      if (channels.displacement[axis] != nullptr)
-        q.displacement[axis] = channels.displacement[axis]->values[k];
-    }
-    composition.advance(parameters, state, q);
-    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-      a[k][axis] += y[k][axis] - q.acceleration[axis];
-  }
-}
-
-// Removes the faults T of an accelerometer from its channel y, so that later relations see
-// corrected accelerations: a = T⁻¹(y) by iteration, since the faults are small.
-void correct(const Investigation& found, Case& c) {
-  constexpr int kRounds = 3;
-  const Hypothesis& named = found.selection.named;
-  std::vector<sim::TermSettings> terms;
-  for (const auto& term : named.terms) terms.push_back(term.settings);
-  for (auto& record : c.records) {
-    const AccelerometerChannels channels{record};
-    const sim::Composition composition{terms, record.time_step};
-    const auto parameters = parameters_at(named, composition);
-    const auto measured = channels.measured(record.samples());
-    auto corrected = measured;
-    for (int round = 0; round < kRounds; ++round)
-      improve(corrected, measured, record, channels, composition, parameters);
-    channels.set(corrected);
-  }
-}
 
 std::string quantisation_of(const Lattice& lattice) {
   return lattice.role.substr(0, lattice.role.find('.')) + "_quantisation";
@@ -264,23 +175,15 @@ void propose(const NextTest& next, Verdict& verdict) {
 Investigations investigations_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
                                  Progress& progress) {
   Investigations all;
-  const auto examine = [&](std::unique_ptr<Relation> relation) {
-    if (!relation) return;
+  for (const RelationOf relation_of : relations_of_kind(c.model.kind)) {
+    auto relation = relation_of(c, options.without);
+    if (!relation) continue;
     check_outputs(*relation, moving_records(c));
     all.push_back(investigate(std::move(relation), c.records, noise, options.seed, progress));
-  };
-  if (is_composition(c.model.kind)) {
-    examine(accelerometer_relation(c, options.without));
-    if (!all.empty() && is_acceleration(*all[0]) && !all[0]->selection.named.terms.empty())
-      correct(*all[0], c);
-    examine(actuator_relation(c, options.without));
-    examine(force_relation(c, options.without));
-  } else {
-    examine(dynamic_relation(c, options.without));
+    if (relation_of == accelerometer_relation)
+      correct_accelerometers(all.back()->selection.named, c);
   }
-  if (all.empty())
-    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
-                            c.model.kind)};
+  if (all.empty()) throw_without_relation(c);
   return all;
 }
 
@@ -303,9 +206,7 @@ void name_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
 Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   Case c = given;
-  reject_unknown_terms(options.without, c);
-  if (is_composition(c.model.kind)) check_composed_model(c);
-  check_records(c);
+  check_case(c, options.without);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);
   auto lattices = coarse_lattices(moving_records(c));

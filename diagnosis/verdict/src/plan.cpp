@@ -15,13 +15,11 @@
 #include <rths/identification/problem.hpp>
 #include <rths/identification/screening.hpp>
 #include <rths/identification/signal.hpp>
-#include <rths/models/barred.hpp>
-#include <rths/models/dynamic_relation.hpp>
-#include <rths/models/relations.hpp>
 #include <rths/sim/term.hpp>
 
 #include "check_records.hpp"
 #include "limits.hpp"
+#include "relations_of_case.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -33,32 +31,14 @@ using Eigen::VectorXd;
 constexpr std::size_t kExamined = 2;  // whose motion is examined: enough for sizes
 constexpr std::size_t kMostConfusions = 20;
 
-std::vector<std::unique_ptr<Relation>> relations_of(const Case& c,
-                                                    const std::vector<std::string>& without) {
-  std::vector<std::unique_ptr<Relation>> relations;
-  const auto add = [&](std::unique_ptr<Relation> relation) {
-    if (relation) relations.push_back(std::move(relation));
-  };
-  if (is_composition(c.model.kind)) {
-    add(accelerometer_relation(c, without));
-    add(actuator_relation(c, without));
-    add(force_relation(c, without));
-  } else {
-    add(dynamic_relation(c, without));
-  }
-  return relations;
-}
-
 std::vector<std::unique_ptr<Relation>> checked_relations(const Case& c,
                                                          const std::vector<std::string>& without) {
-  reject_unknown_terms(without, c);
-  if (is_composition(c.model.kind)) check_composed_model(c);
-  check_records(c);
-  auto relations = relations_of(c, without);
+  check_case(c, without);
+  std::vector<std::unique_ptr<Relation>> relations;
+  for (const RelationOf relation_of : relations_of_kind(c.model.kind))
+    if (auto relation = relation_of(c, without)) relations.push_back(std::move(relation));
   for (const auto& relation : relations) check_outputs(*relation, moving_records(c));
-  if (relations.empty())
-    throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
-                            c.model.kind)};
+  if (relations.empty()) throw_without_relation(c);
   return relations;
 }
 

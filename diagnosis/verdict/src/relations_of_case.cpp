@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "relations_of_case.hpp"
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/models/barred.hpp>
+#include <rths/models/dynamic_relation.hpp>
+#include <rths/models/relations.hpp>
+
+#include "check_records.hpp"
+
+namespace rths::diagnosis {
+
+void check_case(const Case& c, const std::vector<std::string>& without) {
+  reject_unknown_terms(without, c);
+  if (is_composition(c.model.kind)) check_composed_model(c);
+  check_records(c);
+}
+
+std::vector<RelationOf> relations_of_kind(const std::string& kind) {
+  if (is_composition(kind)) return {accelerometer_relation, actuator_relation, force_relation};
+  return {dynamic_relation};
+}
+
+void throw_without_relation(const Case& c) {
+  throw Error{
+      fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name, c.model.kind)};
+}
+
+}  // namespace rths::diagnosis
