@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/bench/ring_bench.hpp>
+#include <rths/core/message.hpp>
 
 #include "commands.hpp"
 #include "gate_exit.hpp"
@@ -16,7 +17,7 @@ namespace {
 
 // Overwrites one terminal line. The caller checks for a terminal.
 void show_row(int cycle, const std::string& row) {
-  fmt::print(stderr, "\rcycle {}: {:<40}", cycle + 1, row);
+  write_message(fmt::format("\rcycle {}: {:<40}", cycle + 1, row));
 }
 
 }  // namespace
@@ -32,7 +33,7 @@ int bench_ring(const BenchArguments& arguments) {
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
   if (on_terminal) options.progress = show_row;
   const bench::Report report = bench::run_ring_bench(options);
-  if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
+  if (on_terminal) write_message(fmt::format("\r{: <60}\r", ""));
   fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));
   return exit_code(report.result);
 }

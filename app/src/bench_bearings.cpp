@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/bench/bearing_bench.hpp>
+#include <rths/core/message.hpp>
 
 #include "commands.hpp"
 #include "gate_exit.hpp"
@@ -17,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void show(const std::string& progress) { fmt::print(stderr, "\r{:<60}", progress); }
+void show(const std::string& progress) { write_message(fmt::format("\r{:<60}", progress)); }
 
 }  // namespace
 
@@ -34,7 +35,7 @@ int bench_bearings(const BearingBenchArguments& arguments) {
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
   if (on_terminal) options.progress = show;
   const bench::BearingReport report = bench::run_bearing_bench(options);
-  if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
+  if (on_terminal) write_message(fmt::format("\r{: <60}\r", ""));
   fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));
   return exit_code(report.result);
 }

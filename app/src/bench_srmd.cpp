@@ -10,6 +10,7 @@
 #include <rths/bench/srmd_bench.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/message.hpp>
 
 #include "commands.hpp"
 #include "write_file.hpp"
@@ -33,9 +34,11 @@ int bench_srmd(const SrmdBenchArguments& arguments) {
   if (!arguments.json.empty()) options.partial = arguments.json + ".partial";
   const bool on_terminal = isatty(STDERR_FILENO) == 1;
   if (on_terminal)
-    options.progress = [](const std::string& stage) { fmt::print(stderr, "\r{:<60}", stage); };
+    options.progress = [](const std::string& stage) {
+      write_message(fmt::format("\r{:<60}", stage));
+    };
   const bench::SrmdReport report = bench::run_srmd_bench(options);
-  if (on_terminal) fmt::print(stderr, "\r{: <60}\r", "");
+  if (on_terminal) write_message(fmt::format("\r{: <60}\r", ""));
   fmt::print("{}", bench::to_text(report));
   if (arguments.json.empty()) return 0;
   write_file(arguments.json, bench::to_json(report));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <rths/bench/vertical_bench.hpp>
+#include <rths/core/message.hpp>
 
 #include "commands.hpp"
 #include "gate_exit.hpp"
@@ -14,9 +15,11 @@ int bench_vertical(const VerticalBenchArguments& arguments) {
   bench::VerticalOptions options;
   options.draws = arguments.draws;
   options.duration = arguments.duration;
-  options.progress = [&](int draw) { fmt::print(stderr, "\r{} of {}", draw, arguments.draws); };
+  options.progress = [&](int draw) {
+    write_message(fmt::format("\r{} of {}", draw, arguments.draws));
+  };
   const bench::VerticalReport report = bench::run_vertical_bench(options);
-  fmt::print(stderr, "\r{:20}\r", "");
+  write_message(fmt::format("\r{:20}\r", ""));
   fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));
   return exit_code(report.result);
 }

@@ -16,6 +16,7 @@
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/message.hpp>
 #include <rths/dds/gateway.hpp>
 
 #include "commands.hpp"
@@ -91,7 +92,7 @@ int bridge(const BridgeArguments& arguments) {
   std::mutex output;
   const auto report = [&](const std::string& line) {
     const std::lock_guard lock{output};
-    fmt::print(stderr, "rths: {}\n", line);
+    write_message(fmt::format("rths: {}\n", line));
   };
   dds::CycloneOptions network;
   network.domain = arguments.domain;

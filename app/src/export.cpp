@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 #include <rths/recording/excerpt.hpp>
 #include <rths/report/report.hpp>
 
@@ -22,7 +23,8 @@ int export_table(const ExportArguments& arguments) {
   std::error_code ignored;
   if (std::filesystem::equivalent(source, target, ignored))
     throw Error{target.string() + ": is the recording itself, expected another file (--out)"};
-  check_target(target);
+  check_result_file(target);
+  const Interruptible interruptible;
   const auto excerpt = recording::make_excerpt(reader, selected(reader.names(), arguments.patterns),
                                                arguments.from, arguments.to);
   if (arguments.format == "mat")

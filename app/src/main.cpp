@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <fcntl.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdio>
@@ -8,6 +10,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,6 +19,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/core/message.hpp>
 
 #include "command_line.hpp"
 #include "commands.hpp"
@@ -23,7 +27,23 @@
 namespace rths::app {
 namespace {
 
-void print_error(const std::string& text) { fmt::print(stderr, "rths: {}\n", text); }
+void print_error(const std::string& text) { write_message(fmt::format("rths: {}\n", text)); }
+
+// A closed standard stream would get the number of the next file that is opened, which messages
+// would then overwrite.
+void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0)  // NOLINT(cppcoreguidelines-pro-type-vararg)
+      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
+      static_cast<void>(open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY));
+}
+
+// Why a command ended that could not write its results to standard output, or failed otherwise.
+std::string reason_of(const std::exception& error) {
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  if (system == nullptr || std::ferror(stdout) == 0) return error.what();
+  return "standard output cannot be written: " + system->code().message();
+}
 
 /// Values of all options; must outlive the parser.
 struct Arguments {
@@ -464,6 +484,7 @@ Changes split_changes(const std::vector<std::string>& sets) {
 
 int main(int argc, char** argv) {
   try {
+    rths::app::open_standard_streams();
     rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
     return rths::app::with_output(rths::app::parse_and_run(argc, argv));
   } catch (const rths::Interrupted& interrupted) {
@@ -476,7 +497,7 @@ int main(int argc, char** argv) {
     rths::app::print_error(rths::printable(error.path1().string() + ": " + error.code().message()));
     return rths::app::kFailure;
   } catch (const std::exception& error) {
-    rths::app::print_error(rths::printable(error.what()));
+    rths::app::print_error(rths::printable(rths::app::reason_of(error)));
     return rths::app::kFailure;
   }
 }

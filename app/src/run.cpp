@@ -15,6 +15,8 @@
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
+#include <rths/core/message.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -39,11 +41,11 @@ void show_progress(const launch::Progress& progress) {
   if (poll(&terminal, 1, 0) <= 0) return;
   const double fraction = std::min(1.0, std::max(0.0, progress.model_time / progress.duration));
   const int filled = static_cast<int>(fraction * kBarWidth);
-  fmt::print(stderr, "\r[{:=<{}}{: <{}}] {:6.2f} / {:.2f} s", "", filled, "", kBarWidth - filled,
-             fraction * progress.duration, progress.duration);
+  write_message(fmt::format("\r[{:=<{}}{: <{}}] {:6.2f} / {:.2f} s", "", filled, "",
+                            kBarWidth - filled, fraction * progress.duration, progress.duration));
 }
 
-void clear_progress() { fmt::print(stderr, "\r{: <70}\r", ""); }
+void clear_progress() { write_message(fmt::format("\r{: <70}\r", "")); }
 
 // The files as a TOML list of absolute paths. A path through the link `latest` must still lead to
 // the same file when the run has begun.
@@ -105,7 +107,7 @@ void run_improved(const RunArguments& arguments, const std::filesystem::path& fr
         load_experiment(arguments.experiment, changes_of(arguments, improvements)),
         folder / report::kImprovedFile);
   } catch (const Error& error) {
-    fmt::print(stderr, "rths: no improved numerical result: {}\n", error.what());
+    write_message(fmt::format("rths: no improved numerical result: {}\n", error.what()));
   }
 }
 
@@ -161,7 +163,7 @@ void compress(const std::filesystem::path& file) {
   try {
     if (std::filesystem::exists(file)) recording::compress(file);
   } catch (const Error& error) {
-    fmt::print(stderr, "rths: {}\n", error.what());
+    write_message(fmt::format("rths: {}\n", error.what()));
   }
 }
 
@@ -178,6 +180,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   steps->begin("the numerical result");
   launch::run_numerical(experiment, folder / report::kNumericalFile);
   compress(folder / report::kNumericalFile);
+  stop_if_interrupted();
   if (has_held_out) {
     steps->begin("the test under the second earthquake");
     launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
@@ -193,7 +196,8 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   const auto written = report::make_report(folder, broken);
   steps.reset();  // removes its line before the results are printed
   fmt::print("{}", diagnosed.text);
-  if (!diagnosed.trouble.empty()) fmt::print(stderr, "rths: no diagnosis: {}\n", diagnosed.trouble);
+  if (!diagnosed.trouble.empty())
+    write_message(fmt::format("rths: no diagnosis: {}\n", diagnosed.trouble));
   return print(written);
 }
 
@@ -205,7 +209,7 @@ launch::RunOptions options_for(const RunArguments& arguments, const std::string&
   options.ring = arguments.ring.empty() ? name : arguments.ring;
   options.host = arguments.host;
   options.interface = arguments.interface;
-  options.report = [](const std::string& line) { fmt::print(stderr, "rths: {}\n", line); };
+  options.report = [](const std::string& line) { write_message(fmt::format("rths: {}\n", line)); };
   options.overrides = changes_of(arguments, arguments.improvements);
   options.version = version();
   if (isatty(STDERR_FILENO) == 1) options.progress = show_progress;
@@ -252,7 +256,7 @@ void report_end(const std::filesystem::path& folder, bool has_ring_faults) {
     if (has_tripped || has_ring_faults)
       fmt::print("report    {}\n", report::make_report(folder, broken).page.string());
   } catch (const Error& error) {
-    fmt::print(stderr, "rths: no report: {}\n", error.what());
+    write_message(fmt::format("rths: no report: {}\n", error.what()));
   }
 }
 
@@ -264,11 +268,14 @@ int run(const RunArguments& arguments) {
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
   if (const auto machine = experiment.unguarded_machine())
-    fmt::print(stderr, "rths: node {} has no safety layer: rths does not guard its commands\n",
-               *machine);
+    write_message(fmt::format(
+        "rths: node {} has no safety layer: rths does not guard its commands\n", *machine));
   RunFolder run_folder = folder_for(arguments, experiment.name);
   launch::RunOptions options = options_for(arguments, experiment.name, run_folder.path());
   options.started = [&] { run_folder.begin(); };
+  // In wall time, the launcher itself brings the nodes to rest.
+  std::optional<Interruptible> interruptible;
+  if (arguments.virtual_time) interruptible.emplace();
   const launch::RunOutcome outcome = launch::run(experiment, options);
   if (options.progress) clear_progress();
   const Recorded where = recorded(arguments, experiment);
@@ -277,12 +284,13 @@ int run(const RunArguments& arguments) {
         "recording {}{}\n", text_of(where, options.recording, experiment),
         outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
   if (!outcome.completed) {
-    fmt::print(stderr, "rths: the run ended early: {}\n",
-               outcome.interrupted ? "interrupted" : outcome.trouble);
+    write_message(fmt::format("rths: the run ended early: {}\n",
+                              outcome.interrupted ? "interrupted" : outcome.trouble));
     if (run_folder.has_begun() && where == Recorded::Here && !experiment.history)
       report_end(run_folder.path(), outcome.has_ring_faults);
     return outcome.interrupted ? kConditionNotMet : kFailure;
   }
+  if (!interruptible) interruptible.emplace();
   return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;
 }
 
@@ -293,6 +301,8 @@ int node(const NodeArguments& arguments) {
 }
 
 int report(const std::string& folder, const std::string& beside) {
+  if (!std::filesystem::is_directory(folder))
+    throw Error{folder + ": is no folder, expected that of a run"};
   const FolderLock lock{folder};
   const std::filesystem::path recording = std::filesystem::path{folder} / report::kRunFile;
   return print(report::make_report(folder, report::judge(recording::Reader{recording}), beside));

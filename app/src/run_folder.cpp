@@ -164,7 +164,10 @@ FolderLock::FolderLock(const fs::path& folder) : file_{folder / kLockFile} {
       throw Error{fmt::format("{}: is in use by {}, expected a folder that no process writes to",
                               folder.string(), holder)};
     }
-    if (is_same_file(descriptor_, file_)) return;
+    if (is_same_file(descriptor_, file_)) {
+      restore_earlier(folder);
+      return;
+    }
     close(descriptor_);
   }
   throw Error{fmt::format("{}: cannot be locked", folder.string())};
@@ -204,7 +207,6 @@ RunFolder::RunFolder(const fs::path& folder, bool replaces)
   made_ = missing_folders(folder_);
   create_folder(folder_);
   lock_.emplace(folder_);
-  restore_earlier(folder_);
   if (!has_results(folder_)) return;
   if (!replaces)
     throw Error{

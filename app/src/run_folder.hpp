@@ -9,7 +9,8 @@
 namespace rths::app {
 
 /// Keeps other processes from writing results into a folder until it is destroyed. The kernel
-/// releases the lock if the process dies.
+/// releases the lock if the process dies. Results of an earlier run that a killed one had set aside
+/// are in their place again.
 class FolderLock {
  public:
   /// @throws Error that names the process with the lock, or the reason why the folder is not

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/message.hpp>
+
 namespace rths::app {
 namespace {
 
@@ -80,12 +82,13 @@ void Steps::show() {
     if (is_new) begun = Clock::now();
     shown = current_;
     const double elapsed = std::floor(std::chrono::duration<double>(Clock::now() - begun).count());
-    if (terminal) fmt::print(stderr, "\r{}\033[K", line(elapsed));
-    if (!terminal && !is_new && !is_silent_) fmt::print(stderr, "rths: {}\n", line(elapsed));
+    if (terminal) write_message(fmt::format("\r{}\033[K", line(elapsed)));
+    if (!terminal && !is_new && !is_silent_)
+      write_message(fmt::format("rths: {}\n", line(elapsed)));
     changed_.wait_for(lock, terminal ? kTerminalPeriod : kLogPeriod,
                       [&] { return ended_ || current_ != shown; });
   }
-  if (terminal) fmt::print(stderr, "\r\033[K");
+  if (terminal) write_message("\r\033[K");
 }
 
 }  // namespace rths::app

@@ -7,6 +7,7 @@
 
 #include <rths/core/clock.hpp>
 #include <rths/core/config.hpp>
+#include <rths/core/message.hpp>
 #include <rths/testkit/test_file.hpp>
 
 #include "commands.hpp"
@@ -26,8 +27,8 @@ void print_log(const std::filesystem::path& file) {
     lines.push_back(line);
   }
   if (lines.empty()) return;
-  fmt::print(stderr, "--- the last lines of {}\n", file.filename().string());
-  for (const auto& line : lines) fmt::print(stderr, "    {}\n", line);
+  write_message(fmt::format("--- the last lines of {}\n", file.filename().string()));
+  for (const auto& line : lines) write_message(fmt::format("    {}\n", line));
 }
 
 /// Logs of a test; removed unless it failed.
@@ -65,9 +66,9 @@ int test(const std::string& file, const std::string& kept) {
     return kOk;
   }
   folder.keep();
-  fmt::print(stderr, "rths: {}: {}\n", test.name, result.failure);
+  write_message(fmt::format("rths: {}: {}\n", test.name, result.failure));
   for (const auto& program : result.programs) print_log(folder.path() / (program + ".log"));
-  fmt::print(stderr, "logs and recording: {}\n", folder.path().string());
+  write_message(fmt::format("logs and recording: {}\n", folder.path().string()));
   return kConditionNotMet;
 }
 

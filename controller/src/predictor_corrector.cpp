@@ -160,10 +160,10 @@ double refused_delay_ratio(double slow_down_from) {
   return std::min(kRefusedDelayRatio, hold_point(slow_down_from));
 }
 
-DelayVerdict judge_delay(int delay_substeps, const PredictorCorrectorSettings& settings) {
+DelayRating judge_delay(int delay_substeps, const PredictorCorrectorSettings& settings) {
   const double ratio = static_cast<double>(delay_substeps) / settings.substeps;
-  if (ratio >= refused_delay_ratio(settings.slow_down_from)) return DelayVerdict::Refused;
-  return ratio > kWarnedDelayRatio ? DelayVerdict::Warned : DelayVerdict::Fine;
+  if (ratio >= refused_delay_ratio(settings.slow_down_from)) return DelayRating::Refused;
+  return ratio > kWarnedDelayRatio ? DelayRating::Warned : DelayRating::Fine;
 }
 
 }  // namespace rths::controller

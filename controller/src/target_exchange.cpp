@@ -17,7 +17,7 @@ TargetExchange::TargetExchange(std::vector<int> delay_substeps,
                                const PredictorCorrectorSettings& settings)
     : delay_substeps_{std::move(delay_substeps)}, sampled_(delay_substeps_.size(), false) {
   for (const int delay : delay_substeps_)
-    if (delay < 0 || judge_delay(delay, settings) == DelayVerdict::Refused)
+    if (delay < 0 || judge_delay(delay, settings) == DelayRating::Refused)
       throw Error{"predictor-corrector: a sampling delay of " + std::to_string(delay) +
                   " substeps in a step of " + std::to_string(settings.substeps) +
                   " leaves the integrator no time; expected less than 0.8 of the step and less "

@@ -8,11 +8,11 @@
 namespace rths {
 namespace {
 
-std::atomic<bool> is_interrupted{false};
+std::atomic<bool> is_noted{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a signal handler stores it");
 
 extern "C" void note_signal(int signal) {
-  if (is_interrupted.exchange(true)) {
+  if (is_noted.exchange(true)) {
     std::signal(signal, SIG_DFL);
     std::raise(signal);  // ends the process when this handler returns
   }
@@ -21,7 +21,7 @@ extern "C" void note_signal(int signal) {
 }  // namespace
 
 Interruptible::Interruptible() {
-  is_interrupted = false;
+  is_noted = false;
   struct sigaction action {};
   action.sa_handler = note_signal;
   for (std::size_t i = 0; i < std::size(kEndingSignals); ++i) {
@@ -33,11 +33,13 @@ Interruptible::Interruptible() {
 Interruptible::~Interruptible() {
   for (std::size_t i = 0; i < std::size(kEndingSignals); ++i)
     sigaction(kEndingSignals[i], &previous_[i], nullptr);
-  is_interrupted = false;
+  is_noted = false;
 }
 
+bool is_interrupted() noexcept { return is_noted.load(std::memory_order_relaxed); }
+
 void stop_if_interrupted() {
-  if (is_interrupted.load(std::memory_order_relaxed)) throw Interrupted{};
+  if (is_interrupted()) throw Interrupted{};
 }
 
 }  // namespace rths

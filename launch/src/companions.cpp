@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <system_error>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -148,8 +150,11 @@ void run_companion(const Experiment& experiment, const std::filesystem::path& re
   options.recording = recording;
   options.version = version;
   const RunOutcome outcome = run(experiment, options);
-  if (!outcome.completed)
-    throw Error{fmt::format("the run {} failed: {}", experiment.companion, outcome.trouble)};
+  if (outcome.completed) return;
+  std::error_code ignored;
+  std::filesystem::remove(recording, ignored);  // no report must take it for a whole run
+  stop_if_interrupted();
+  throw Error{fmt::format("the run {} failed: {}", experiment.companion, outcome.trouble)};
 }
 
 }  // namespace

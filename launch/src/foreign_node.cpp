@@ -11,6 +11,7 @@
 
 #include <rths/adapters/child_program.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
 
 #include "launcher_link.hpp"
 #include "peer_watch.hpp"
@@ -175,8 +176,8 @@ class ForeignNode {
         ": start it with RTHS_SCRAMNET_RING={0} RTHS_SCRAMNET_NODE={1} (GT cards: RTHS_SCGT_RING, "
         "RTHS_SCGT_NODE), or join ring '{2}' as node '{1}'",
         place.ring, plan_.node, experiment_.ring_of(place.ring, plan_.node));
-    fmt::print(stderr, "{}: waits {:g} s for its program{}\n", plan_.node,
-               plan_.settings.program->connect_deadline, hint_);
+    write_message(fmt::format("{}: waits {:g} s for its program{}\n", plan_.node,
+                              plan_.settings.program->connect_deadline, hint_));
   }
 
   [[nodiscard]] std::string with_failure() const {
@@ -215,8 +216,9 @@ class ForeignNode {
       if (presence().state != Presence::State::Alive) return;
       std::this_thread::sleep_for(kLookPeriod);
     }
-    fmt::print(stderr, "{}: process {} is still on the ring of the run, which has ended; end it\n",
-               plan_.node, process_);
+    write_message(
+        fmt::format("{}: process {} is still on the ring of the run, which has ended; end it\n",
+                    plan_.node, process_));
   }
 
   const Experiment& experiment_;
@@ -243,7 +245,7 @@ int run_foreign_node(const Experiment& experiment, const NodePlan& plan, broker:
   }
   LauncherLink::send_line("ready");
   if (!launcher.wait_for_go()) {
-    fmt::print(stderr, "{}: received no start message\n", plan.node);
+    write_message(fmt::format("{}: received no start message\n", plan.node));
     return 2;
   }
   const Ending ending = node.watch(launcher);
@@ -252,7 +254,7 @@ int run_foreign_node(const Experiment& experiment, const NodePlan& plan, broker:
   if (!ending.has_left) node.release();
   if (ending.is_known) LauncherLink::send_line("done");
   if (ending.reason.empty()) return 0;
-  fmt::print(stderr, "{}: {}\n", plan.node, ending.reason);
+  write_message(fmt::format("{}: {}\n", plan.node, ending.reason));
   return 2;
 }
 

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/message.hpp>
+
 namespace rths::launch {
 namespace {
 
@@ -75,7 +77,7 @@ void SetupGuard::run(LauncherLink& launcher, const std::string& node) {
     const auto trouble = launcher.find_trouble(clock.now());
     if (!trouble) last_contact = clock.now();
     if (clock.now() - last_contact < kLongestSetup) continue;
-    fmt::print(stderr, "{}: {} before the start\n", node, trouble.value_or(""));
+    write_message(fmt::format("{}: {} before the start\n", node, trouble.value_or("")));
     std::_Exit(2);
   }
 }

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
 
 #include "foreign_node.hpp"
 #include "launcher_link.hpp"
@@ -87,7 +88,7 @@ Reason watch(LoopThread& loop, const adapters::AdapterRunner& runner, LauncherLi
       give_up = clock.now() + longest_stop;
       if (reason) loop.stop();
     } else if (clock.now() > give_up) {
-      fmt::print(stderr, "the control loop did not stop in time; ending the process\n");
+      write_message("the control loop did not stop in time; ending the process\n");
       std::_Exit(2);
     }
   }
@@ -105,13 +106,14 @@ int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, cons
   if (loop.end().status == Status::Fault && !came_to_rest) {
     const auto fault = fmt::format("{} at {:.3f} s", runner.message(), time);
     LauncherLink::send_line("fault " + fault);
-    fmt::print(stderr, "{}: {}\n", node, fault);
+    write_message(fmt::format("{}: {}\n", node, fault));
     return 2;
   }
   LauncherLink::send_line(reason.is_known ? "done" : "fault " + reason.text);
   if (reason.text.empty()) return 0;
-  fmt::print(stderr, "{}: {}: held {:.1f} s, ramped to rest in {:.1f} s, ended at {:.3f} s\n", node,
-             reason.text, retreat.hold, retreat.ramp, time);
+  write_message(
+      fmt::format("{}: {}: held {:.1f} s, ramped to rest in {:.1f} s, ended at {:.3f} s\n", node,
+                  reason.text, retreat.hold, retreat.ramp, time));
   return 2;
 }
 
@@ -122,7 +124,7 @@ int deactivate(adapters::Adapter& adapter, const std::string& node, int code) {
     return code;
   } catch (const Error& error) {
     LauncherLink::send_line(fmt::format("fault {}", error.what()));
-    fmt::print(stderr, "{}: {}\n", node, error.what());
+    write_message(fmt::format("{}: {}\n", node, error.what()));
     return 2;
   }
 }
@@ -165,7 +167,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   LauncherLink::send_line("ready");
   const auto epoch = launcher.wait_for_go();
   if (!epoch) {
-    fmt::print(stderr, "{}: received no start message\n", node);
+    write_message(fmt::format("{}: received no start message\n", node));
     return deactivate(*station->adapter, node, 2);
   }
   int code = 0;

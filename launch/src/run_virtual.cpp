@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 #include "host_link.hpp"
 #include "interrupt.hpp"
@@ -85,6 +86,7 @@ class VirtualRun {
       const auto status = step(*runner);
       if (images_ != nullptr) images_->advance(runner->start);
       look_for_peers(*runner);
+      look_for_interrupt(*runner);
       if (!status) return trouble_;
       if (*status == Status::Done || *status == Status::Fault) end(*runner, *status);
       if (stopping_since_ && runner->due > *stopping_since_ + longest_stop(experiment_))
@@ -95,6 +97,8 @@ class VirtualRun {
     }
     return trouble_;
   }
+
+  [[nodiscard]] bool was_interrupted() const { return was_interrupted_; }
 
   [[nodiscard]] std::map<std::string, adapters::StepTimes> times() const {
     std::map<std::string, adapters::StepTimes> times;
@@ -153,6 +157,14 @@ class VirtualRun {
                            to_seconds(runner.due));
   }
 
+  // All nodes come to rest, and the recording is complete up to then.
+  void look_for_interrupt(const Runner& runner) {
+    if (stopping_since_ || !is_interrupted()) return;
+    stopping_since_ = runner.due;
+    trouble_ = "interrupted";
+    was_interrupted_ = true;
+  }
+
   void end(Runner& runner, Status status) {
     runner.finished = true;
     if (!stopping_since_) stopping_since_ = runner.due;
@@ -177,6 +189,7 @@ class VirtualRun {
   VirtualClock clock_;
   std::vector<Runner> runners_;
   std::optional<Duration> stopping_since_;
+  bool was_interrupted_ = false;
   Duration next_progress_{0};
   std::string trouble_;
 };
@@ -196,6 +209,7 @@ RunResult run_on_one_host(const Experiment& experiment, Assembly& assembly,
   if (images) run.carry(*images, assembly.map);
   RunResult result;
   result.trouble = run.run();
+  result.interrupted = run.was_interrupted();
   if (images) add_faults(images->events(), result);
   result.times = run.times();
   return result;

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/recording/excerpt.hpp>
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/interrupted.hpp>
 
 #include "replaced_file.hpp"
 
@@ -67,18 +70,20 @@ Excerpt make_excerpt(const Reader& reader, const std::vector<std::string>& names
 }
 
 void write_csv(const Excerpt& excerpt, const std::filesystem::path& file) {
-  replace_file(file, ".part", [&](const std::filesystem::path& part) {
+  replace_file(file, unused_ending(file), [&](const std::filesystem::path& part) {
+    errno = 0;
     std::ofstream stream{part, std::ios::binary};
     stream << header_of(excerpt);
     fmt::memory_buffer text;
     for (std::size_t row = 0; row < excerpt.time.size() && stream; ++row) {
       append_row(excerpt, row, text);
       if (text.size() < kBlock && row + 1 < excerpt.time.size()) continue;
+      stop_if_interrupted();
       stream.write(text.data(), static_cast<std::streamsize>(text.size()));
       text.clear();
     }
     stream.close();
-    if (!stream) throw Error{"cannot be written (is the disk full?)"};
+    if (!stream) throw Error{fmt::format("cannot be written: {}", std::strerror(errno))};
   });
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/recording/excerpt.hpp>
 
+#include <cerrno>
+#include <cstring>
 #include <memory>
 #include <utility>
 
@@ -66,10 +68,11 @@ void write_mat(const Excerpt& excerpt, const std::filesystem::path& file) {
         fmt::format("{}: would have {:.1f} GB, a MAT file has at most 2; select signals or "
                     "a shorter time",
                     file.string(), static_cast<double>(bytes) * 1e-9)};
-  replace_file(file, ".part", [&](const std::filesystem::path& part) {
+  replace_file(file, unused_ending(file), [&](const std::filesystem::path& part) {
     {
+      errno = 0;
       const MatFile opened{Mat_CreateVer(part.c_str(), kHeader, MAT_FT_MAT5)};
-      if (!opened) throw Error{"cannot be written"};
+      if (!opened) throw Error{fmt::format("cannot be written: {}", std::strerror(errno))};
       std::vector<double> values;
       values.reserve(rows * excerpt.values.size());
       for (const auto& column : excerpt.values)

@@ -325,18 +325,18 @@ TEST(PredictorCorrector, StepsInRealTimeInEveryState) {
 TEST(SamplingDelay, IsWarnedAboveSixTenthsAndRefusedFromEight) {
   for (const double slow_down_from : {0.6, 0.8}) {
     const auto s = settings(100, slow_down_from);
-    EXPECT_EQ(judge_delay(0, s), DelayVerdict::Fine);
-    EXPECT_EQ(judge_delay(60, s), DelayVerdict::Fine);
-    EXPECT_EQ(judge_delay(61, s), DelayVerdict::Warned);
-    EXPECT_EQ(judge_delay(79, s), DelayVerdict::Warned);
-    EXPECT_EQ(judge_delay(80, s), DelayVerdict::Refused);
+    EXPECT_EQ(judge_delay(0, s), DelayRating::Fine);
+    EXPECT_EQ(judge_delay(60, s), DelayRating::Fine);
+    EXPECT_EQ(judge_delay(61, s), DelayRating::Warned);
+    EXPECT_EQ(judge_delay(79, s), DelayRating::Warned);
+    EXPECT_EQ(judge_delay(80, s), DelayRating::Refused);
   }
 }
 
 // A command held at 0.65 of the step never reaches 0.66.
 TEST(SamplingDelay, IsRefusedFromTheHoldPointOn) {
-  EXPECT_EQ(judge_delay(64, settings(100, 0.3)), DelayVerdict::Warned);
-  EXPECT_EQ(judge_delay(66, settings(100, 0.3)), DelayVerdict::Refused);
+  EXPECT_EQ(judge_delay(64, settings(100, 0.3)), DelayRating::Warned);
+  EXPECT_EQ(judge_delay(66, settings(100, 0.3)), DelayRating::Refused);
 }
 
 }  // namespace

@@ -124,6 +124,12 @@ TEST_F(CaseTest, HasTheNameOfItsFolder) {
   EXPECT_EQ(load(toml).name, folder_.path().filename());
 }
 
+TEST_F(CaseTest, RefusesANameWithControlCharacters) {
+  EXPECT_EQ(
+      error_with("workshop", R"(work\u001b[2Jshop\n)"),
+      R"(case.toml:2:8: name is 'work\x1b[2Jshop\n', expected a name without control characters)");
+}
+
 TEST_F(CaseTest, RefusesAnEmptyName) {
   EXPECT_EQ(error_with("workshop", ""),
             "case.toml:2:8: name is empty, expected at least one character");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Tables of recordings, written with the command.
+#include <sys/stat.h>
+
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -110,6 +112,29 @@ TEST_F(ExportCommand, ReportsWrongInputAndWritesNothing) {
   EXPECT_EQ(run({"--from", "soon"}).exit_code, 3);
   EXPECT_FALSE(std::filesystem::exists(table()));
   EXPECT_EQ(test::run_rths({"export", "/no/such.h5"}).exit_code, 2);
+}
+
+TEST_F(ExportCommand, ReplacesNothingButAnEarlierTable) {
+  const auto other = folder.path() / "other.csv";
+  folder.write("table.part", "of somebody else");
+  folder.write("other.csv", "an earlier table");
+  std::filesystem::create_symlink("other.csv", folder.path() / "link");
+  ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
+
+  EXPECT_EQ(run({}).exit_code, 0);
+  EXPECT_EQ(test::content_of(folder.path() / "table.part"), "of somebody else");
+  EXPECT_EQ(run_to(folder.path() / "link", {}).exit_code, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link"));
+  EXPECT_EQ(test::content_of(other), test::content_of(table()));
+  for (const char* name : {"pipe", "."}) {
+    const auto refused = folder.path() / name;
+    EXPECT_EQ(run_to(refused, {}).err,
+              "rths: " + refused.string() + ": is no regular file, expected one for the results\n");
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(folder.path() / "pipe"));
+  const auto nowhere = folder.path() / "missing/table";
+  EXPECT_EQ(run_to(nowhere, {}).err,
+            "rths: " + nowhere.string() + ": cannot be written: No such file or directory\n");
 }
 
 }  // namespace

@@ -56,6 +56,15 @@ TEST(FirstContact, FailsIfItsOutputIsLost) {
   EXPECT_EQ(run.err, "rths: standard output cannot be written: No space left on device\n");
 }
 
+TEST(FirstContact, FailsInOrderIfItsMessagesAreLost) {
+  for (const char* streams : {"2>/dev/full", "2>&-", ">&- 2>&-", ">/dev/full 2>/dev/full"})
+    for (const char* command : {" diagnose nowhere ", " bogus "}) {
+      const auto run =
+          test::Running{{"/bin/bash", "-c", test::rths_command() + command + streams}}.wait(60);
+      EXPECT_EQ(run.exit_code, command == std::string{" bogus "} ? 3 : 2) << command << streams;
+    }
+}
+
 TEST(FirstContact, CompletesCommandsOptionsAndValues) {
   EXPECT_EQ(completed({"ru"}), Lines{"run"});
   EXPECT_EQ(completed({"map", ""}), (Lines{"list", "check", "gen"}));

@@ -155,6 +155,16 @@ TEST_F(RunFolder, GetsBackResultsThatAKilledStartSetAside) {
             (std::map<std::string, std::string>{{"report.json", "an earlier report"}}));
 }
 
+TEST_F(RunFolder, GetsThemBackForAReport) {
+  fs::create_directories(at("mine/.earlier"));
+  place.write("mine/.earlier/run.h5", "of an earlier run");
+
+  static_cast<void>(test::run_rths({"report", at("mine").string()}));
+
+  EXPECT_EQ(content(at("mine")),
+            (std::map<std::string, std::string>{{"run.h5", "of an earlier run"}}));
+}
+
 TEST_F(RunFolder, IsRefusedAtOnceWhileAProcessWritesToIt) {
   fs::create_directory(at("mine"));
   place.write("mine/run.h5", "a recording");
@@ -182,7 +192,7 @@ TEST_F(RunFolder, IsReportedInOneLineIfItCannotBeWritten) {
   place.write("file", "");
   EXPECT_EQ(run({"--out", "file"}).err, "rths: file: cannot be created: Not a directory\n");
   EXPECT_EQ(rths({"report", "nowhere"}).err,
-            "rths: nowhere: cannot be written: No such file or directory\n");
+            "rths: nowhere: is no folder, expected that of a run\n");
 
   // A folder in which not even root may create files, for the reason that the system gives.
   const std::string folder = "/proc/sys";

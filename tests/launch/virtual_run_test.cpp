@@ -3,7 +3,9 @@
 // The whole laboratory in virtual time, started with the command.
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdlib>
+#include <filesystem>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -14,6 +16,7 @@
 #include "support/files.hpp"
 #include "support/long_run.hpp"
 #include "support/process.hpp"
+#include "support/waiting.hpp"
 
 namespace rths::launch {
 namespace {
@@ -304,6 +307,45 @@ TEST(VirtualRun, EndsInOrderWhenANodeFails) {
   EXPECT_NE(run.err.find("opf: atTarget did not rise before the deadline at"), std::string::npos)
       << run.err;
   EXPECT_GT(recording::Reader{folder.path() / "run.h5"}.rows(), 1000U);
+}
+
+// The nodes come to rest, and the recording is complete up to then.
+TEST(VirtualRun, EndsInOrderWhenASignalInterruptsIt) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const test::TemporaryFolder folder;
+    const auto recording = folder.path() / "run.h5";
+    test::Running run{{"/usr/bin/env", "--default-signal", test::rths_command(), "run", example(),
+                       "--clock", "virtual", "--out", folder.path().string()}};
+    ASSERT_TRUE(test::comes_true([&] { return std::filesystem::exists(recording); }));
+
+    ASSERT_EQ(kill(run.pid(), signal), 0);
+    const auto ended = run.wait();
+
+    EXPECT_EQ(ended.exit_code, 1) << signal;
+    EXPECT_NE(ended.err.find("rths: the run ended early: interrupted\n"), std::string::npos)
+        << ended.err;
+    EXPECT_GT(recording::Reader{recording}.rows(), 0U);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator{folder.path()}, {}), 1) << signal;
+  }
+}
+
+// No report must take half a companion for a whole one.
+TEST(VirtualRun, LeavesNoHalfCompanionWhenASignalInterruptsIt) {
+  const test::TemporaryFolder folder;
+  const auto companion = folder.path() / "uncompensated.h5";
+  test::Running run{{"/usr/bin/env", "--default-signal", test::rths_command(), "run", example(),
+                     "--clock", "virtual", "--out", folder.path().string()}};
+  ASSERT_TRUE(test::comes_true([&] { return std::filesystem::exists(companion); },
+                               std::chrono::seconds{60}));
+
+  ASSERT_EQ(kill(run.pid(), SIGTERM), 0);
+  const auto ended = run.wait();
+
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_NE(ended.err.find("rths: interrupted\n"), std::string::npos) << ended.err;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "run.h5"));
+  EXPECT_FALSE(std::filesystem::exists(companion));
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / ".lock"));
 }
 
 }  // namespace

@@ -74,7 +74,7 @@ TEST(Excerpt, ReportsAFullFileSystem) {
       const rlimit limit{50'000, 50'000};
       setrlimit(RLIMIT_FSIZE, &limit);
       const std::string error = test::error_of([&] { write(excerpt, file); });
-      _exit(error == file.string() + ": cannot be written (is the disk full?)" ? 0 : 1);
+      _exit(error.starts_with(file.string() + ": cannot be written") ? 0 : 1);
     }
     int status = 0;
     waitpid(child, &status, 0);

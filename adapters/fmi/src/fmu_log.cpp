@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/message.hpp>
+
 namespace rths::fmi {
 namespace {
 
@@ -56,9 +58,9 @@ void FmuLog::flush() {
   lock();
   keeps_ = false;
   for (std::size_t i = 0; i < count_; ++i)
-    fmt::print(stderr, "{}: FMU: {}\n", instance_, kept_[i].data());
+    write_message(fmt::format("{}: FMU: {}\n", instance_, kept_[i].data()));
   if (lost_ > 0)
-    fmt::print(stderr, "{}: FMU: {} further messages of its steps\n", instance_, lost_);
+    write_message(fmt::format("{}: FMU: {} further messages of its steps\n", instance_, lost_));
   count_ = lost_ = 0;
   busy_.clear(std::memory_order_release);
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -21,8 +22,8 @@ ElementServer::ElementServer(const OpenSeesElement& element)
       endpoint_{element.is_udp ? Transport::Udp : Transport::Tcp, element.address, element.port},
       client_{name_, element.dofs()} {
   if (!element.address.starts_with("127."))
-    fmt::print(stderr, "{}: warning: port {} of {} can be reached from other hosts\n", name_,
-               element.port, element.address);
+    write_message(fmt::format("{}: warning: port {} of {} can be reached from other hosts\n", name_,
+                              element.port, element.address));
 }
 
 void ElementServer::admit(const Admission& admission) {
@@ -32,8 +33,9 @@ void ElementServer::admit(const Admission& admission) {
     const auto reason = refusal(admission, transport, peer, own);
     if (!reason) return true;
     if (++refused <= kMostReported)
-      fmt::print(stderr, "{}: refused {}{}\n", name, *reason,
-                 refused == kMostReported ? "; further refusals are not reported" : "");
+      write_message(
+          fmt::format("{}: refused {}{}\n", name, *reason,
+                      refused == kMostReported ? "; further refusals are not reported" : ""));
     return false;
   });
 }

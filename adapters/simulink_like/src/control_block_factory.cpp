@@ -8,6 +8,7 @@
 
 #include <rths/adapters/block_settings.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
 
 #include "block_tables.hpp"
 
@@ -23,13 +24,14 @@ std::vector<int> read_sampling_delays(const Config& table, const BlockContext& c
   for (const int delay : delays) {
     const double ratio = static_cast<double>(delay) / settings.substeps;
     switch (controller::judge_delay(delay, settings)) {
-      case controller::DelayVerdict::Fine:
+      case controller::DelayRating::Fine:
         break;
-      case controller::DelayVerdict::Warned:
-        fmt::print(stderr, "{}: warning: the sampling delay is {:.2f} of the step, above 0.6\n",
-                   table.where("sampling_delay_s"), ratio);
+      case controller::DelayRating::Warned:
+        write_message(
+            fmt::format("{}: warning: the sampling delay is {:.2f} of the step, above 0.6\n",
+                        table.where("sampling_delay_s"), ratio));
         break;
-      case controller::DelayVerdict::Refused:
+      case controller::DelayRating::Refused:
         table.fail("sampling_delay_s",
                    fmt::format("the sampling delay is {:.2f} of the step, expected less than {:g}",
                                ratio, controller::refused_delay_ratio(settings.slow_down_from)));

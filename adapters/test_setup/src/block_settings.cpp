@@ -16,7 +16,8 @@ struct Range {
   double low, high;
 };
 constexpr Range kMass{0, 1e9}, kFriction{0, 1e9}, kViscousFriction{0, 1e9}, kOffset{-1e9, 1e9},
-    kLoadFriction{0, 1}, kPresliding{1e-7, 0.1}, kDelay{0, 0.02}, kLead{-0.02, 0.02};
+    kLoadFriction{0, 1}, kPresliding{1e-7, 0.1}, kDelay{0, 0.02}, kSamplingDelay{0, 10},
+    kLead{-0.02, 0.02};
 
 // Values as `per_axis` returns them. @throws Error also for a value of an axis that is not tested
 std::vector<double> per_axis_in(const Config& table, const std::string& key,
@@ -89,7 +90,7 @@ controller::PredictorCorrectorSettings predictor_corrector_settings(const Config
 std::vector<int> sampling_delays(const Config& table, const std::vector<std::string>& axes,
                                  double period) {
   std::vector<int> delays;
-  for (const double delay : per_axis(table, "sampling_delay_s", axes, 0))
+  for (const double delay : per_axis_in(table, "sampling_delay_s", axes, kSamplingDelay, 0))
     delays.push_back(static_cast<int>(std::lround(delay / period)));
   return delays;
 }

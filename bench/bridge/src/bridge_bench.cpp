@@ -13,6 +13,7 @@
 #include <rths/bench/load.hpp>
 #include <rths/broker/follow.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
 
 #include "far_side.hpp"
 #include "maps.hpp"
@@ -40,7 +41,7 @@ class FarProcess {
     try {
       run_far_side(domain);
     } catch (const std::exception& error) {
-      fmt::print(stderr, "rths: the second process: {}\n", error.what());
+      write_message(fmt::format("rths: the second process: {}\n", error.what()));
     }
     std::_Exit(0);
   }

@@ -189,6 +189,9 @@ std::string name_in(const Config& table, const std::string& usual) {
   std::string name = table.text("name", usual);
   if (table.has("name") && name.empty())
     table.fail("name", "name is empty, expected at least one character");
+  if (printable(name) != name)
+    table.fail("name",
+               fmt::format("name is '{}', expected a name without control characters", name));
   return name;
 }
 

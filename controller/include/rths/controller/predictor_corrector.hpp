@@ -98,7 +98,7 @@ class PredictorCorrector {
 };
 
 /// Rating of delayed sampling: fine, to be warned about, or refused.
-enum class DelayVerdict { Fine, Warned, Refused };
+enum class DelayRating { Fine, Warned, Refused };
 
 /// Fraction of the step at which a late target freezes the command: h = (1 + p)/2.   @setup
 [[nodiscard]] double hold_point(double slow_down_from);
@@ -109,7 +109,7 @@ enum class DelayVerdict { Fine, Warned, Refused };
 /// Rates delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on.
 /// Delays from the hold point on are refused too: the counter never reaches it while a target is
 /// late.   @setup
-[[nodiscard]] DelayVerdict judge_delay(int delay_substeps,
-                                       const PredictorCorrectorSettings& settings);
+[[nodiscard]] DelayRating judge_delay(int delay_substeps,
+                                      const PredictorCorrectorSettings& settings);
 
 }  // namespace rths::controller

@@ -18,8 +18,8 @@ class Interrupted : public std::exception {
 };
 
 /// During its lifetime, the first signal that asks this process to end is only noted, for
-/// `stop_if_interrupted`. A second one ends the process. Signals that were ignored stay ignored.
-/// One at a time.
+/// `is_interrupted` and `stop_if_interrupted`. A second one ends the process. Signals that were
+/// ignored stay ignored. One at a time.
 class Interruptible {
  public:
   Interruptible();
@@ -30,6 +30,9 @@ class Interruptible {
  private:
   struct sigaction previous_[std::size(kEndingSignals)] = {};
 };
+
+/// Returns true if a signal was noted.   @any_thread
+[[nodiscard]] bool is_interrupted() noexcept;
 
 /// For long computations, to be called several times per second. Costs one load.
 /// @throws Interrupted if a signal was noted   @any_thread
