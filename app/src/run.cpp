@@ -260,6 +260,14 @@ void report_end(const std::filesystem::path& folder, bool has_ring_faults) {
   }
 }
 
+// @param folder  of the recorded response; empty: there is none   @returns the exit code
+int end_early(const launch::RunOutcome& outcome, const std::filesystem::path& folder) {
+  write_message(fmt::format("rths: the run ended early: {}\n",
+                            outcome.interrupted ? "interrupted" : outcome.trouble));
+  if (!folder.empty()) report_end(folder, outcome.has_ring_faults);
+  return outcome.interrupted ? kConditionNotMet : kFailure;
+}
+
 }  // namespace
 
 int run(const RunArguments& arguments) {
@@ -284,11 +292,9 @@ int run(const RunArguments& arguments) {
         "recording {}{}\n", text_of(where, options.recording, experiment),
         outcome.rows_missing > 0 ? fmt::format(", {} rows missing", outcome.rows_missing) : "");
   if (!outcome.completed) {
-    write_message(fmt::format("rths: the run ended early: {}\n",
-                              outcome.interrupted ? "interrupted" : outcome.trouble));
-    if (run_folder.has_begun() && where == Recorded::Here && !experiment.history)
-      report_end(run_folder.path(), outcome.has_ring_faults);
-    return outcome.interrupted ? kConditionNotMet : kFailure;
+    const bool has_response =
+        run_folder.has_begun() && where == Recorded::Here && !experiment.history;
+    return end_early(outcome, has_response ? run_folder.path() : "");
   }
   if (!interruptible) interruptible.emplace();
   return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;
