@@ -228,7 +228,8 @@ Recorded recorded(const RunArguments& arguments, const launch::Experiment& exper
 
 std::string text_of(Recorded recorded, const std::filesystem::path& recording,
                     const launch::Experiment& experiment) {
-  if (recorded == Recorded::Here) return recording.string();
+  if (recorded == Recorded::Here)
+    return std::filesystem::exists(recording) ? recording.string() : "none: the file is missing";
   if (recorded == Recorded::OnAnotherHost)
     return fmt::format("on host '{}'", experiment.leading_host());
   return "none: the experiment has no recorder";

@@ -349,9 +349,21 @@ TEST_F(RecordTest, ResamplesUnequallySpacedSamples) {
             std::string::npos);
 }
 
+TEST_F(RecordTest, NamesThePlaceOfAMissingFileOnce) {
+  std::string without = kFit;
+  without.replace(without.find("file = "),
+                  without.find('\n', without.find("file = ")) - without.find("file = "), "");
+  const std::string refused = error(without);
+  EXPECT_NE(refused.find("'file' is missing"), std::string::npos) << refused;
+  EXPECT_EQ(refused.find("case.toml"), refused.rfind("case.toml")) << refused;
+}
+
 TEST_F(RecordTest, RefusesToResampleOneSampleOrToTooMany) {
   EXPECT_EQ(error(std::string{kFit} + "resample_Hz = 1e9\n"),
-            "case.toml:10:15: resampling 0.04 s at 1e+09 Hz makes 4e+07 samples, expected at most "
+            "case.toml:10:15: resampling 0.04 s at 1e+09 Hz makes 4e+07 samples, expected 1 to "
+            "20000000");
+  EXPECT_EQ(error(std::string{kFit} + "resample_Hz = 1e-6\n"),
+            "case.toml:10:15: resampling 0.04 s at 1e-06 Hz makes 4e-08 samples, expected 1 to "
             "20000000");
   folder_.write("log.csv", "t,u,F\n0,0,10\n");
   for (const char* resampled : {"", "resample_Hz = 200\n"})

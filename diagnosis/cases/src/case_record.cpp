@@ -89,10 +89,10 @@ void resample(const Config& table, Raw& raw) {
   constexpr double kMostResampled = 20'000'000;  // samples: 16 channels fit into 3 GB
   const double rate = table.number_in("resample_Hz", kLowestRate, kHighestRate);
   const double count = (raw.time.back() - raw.time.front()) * rate;
-  if (count > kMostResampled)
+  if (!(count >= 1 && count <= kMostResampled))
     table.fail("resample_Hz",
                fmt::format("resampling {:.6g} s at {:g} Hz makes {:.3g} samples, "
-                           "expected at most {:.0f}",
+                           "expected 1 to {:.0f}",
                            raw.time.back() - raw.time.front(), rate, count, kMostResampled));
   resample(raw, rate);
 }
@@ -197,11 +197,9 @@ std::string name_in(const Config& table, const std::string& usual) {
 
 Record read_record(const Config& table, const Config& channels, Files& files, bool is_machine) {
   const Config own = channels_of(table, channels);
-  const std::string file = table.placed("file", [&] {
-    const auto path = table.resolve(table.text("file"));
-    static_cast<void>(files.at(path));
-    return path.string();
-  });
+  const auto path = table.resolve(table.text("file"));
+  const std::string file = path.string();
+  table.placed("file", [&] { static_cast<void>(files.at(path)); });
   Raw raw = read_raw(own, files, file);
   Record record;
   record.name = name_in(table, std::filesystem::path{file}.filename().string());
