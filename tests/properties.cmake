@@ -17,9 +17,10 @@ function(rths_tests program expression property value)
 endfunction()
 
 # rths_long(<program> <label> <regular expression>): tests that `./lab test` runs only with --full. They have the label
-# long: `ctest -LE long` omits them.
+# long, `ctest -LE long` omits them, and ten minutes each: the host may be busy with the sanitizers' builds.
 function(rths_long program label expression)
   rths_tests(${program} "${expression}" LABELS "${label};long")
+  rths_tests(${program} "${expression}" TIMEOUT 600)
 endfunction()
 
 # Diagnoses of whole runs. The default run has those of the main example.
