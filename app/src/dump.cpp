@@ -72,10 +72,8 @@ int dump_ring(const DumpArguments& arguments) {
   broker::Ring ring = broker::Ring::attach(arguments.ring_or_recording);
   const broker::Node node = ring.observe();
   std::vector<Watched> watched;
-  for (const auto& entry : ring.map().signals())
-    if (matches(entry.name, arguments.patterns))
-      watched.push_back({&entry, memmap::Codec{*entry.signal}, std::nullopt});
-  if (watched.empty()) throw Error{"no signal of the ring matches"};
+  for (const auto* entry : selected_signals(ring, arguments.ring_or_recording, arguments.patterns))
+    watched.push_back({entry, memmap::Codec{*entry->signal}, std::nullopt});
   Printer printer{arguments};
   const auto begun = steady_clock::now();
   const auto elapsed = [&] { return std::chrono::duration<double>(steady_clock::now() - begun); };
@@ -96,10 +94,8 @@ int dump_recording(const DumpArguments& arguments) {
     std::vector<double> values;
   };
   std::vector<Column> columns;
-  for (const auto& name : reader.names())
-    if (matches(name, arguments.patterns))
-      columns.push_back({name, reader.unit(name), reader.signal(name)});
-  if (columns.empty()) throw Error{"no signal of the recording matches"};
+  for (const auto& name : selected(reader.names(), arguments.patterns, arguments.ring_or_recording))
+    columns.push_back({name, reader.unit(name), reader.signal(name)});
   Printer printer{arguments};
   for (std::size_t row = 0; row < reader.rows() && !printer.enough(); ++row)
     for (const auto& column : columns)

@@ -25,8 +25,9 @@ int export_table(const ExportArguments& arguments) {
     throw Error{target.string() + ": is the recording itself, expected another file (--out)"};
   check_result_file(target);
   const Interruptible interruptible;
-  const auto excerpt = recording::make_excerpt(reader, selected(reader.names(), arguments.patterns),
-                                               arguments.from, arguments.to);
+  const auto excerpt =
+      recording::make_excerpt(reader, selected(reader.names(), arguments.patterns, source.string()),
+                              arguments.from, arguments.to);
   if (arguments.format == "mat")
     recording::write_mat(excerpt, target);
   else

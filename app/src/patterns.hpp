@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 
@@ -21,18 +22,31 @@ inline bool matches(const std::string& name, const std::vector<std::string>& pat
 }
 
 /// The names that match at least one pattern, in their order.
+/// @param source  ring or recording, as messages name it
 /// @throws Error for the first pattern that matches no name
 inline std::vector<std::string> selected(const std::vector<std::string>& names,
-                                         const std::vector<std::string>& patterns) {
+                                         const std::vector<std::string>& patterns,
+                                         const std::string& source) {
   for (const auto& pattern : patterns)
     if (std::none_of(names.begin(), names.end(),
                      [&](const std::string& name) { return matches(name, {pattern}); }))
-      throw Error{"no signal of the recording matches '" + pattern + "'" +
-                  did_you_mean(pattern, names)};
+      throw Error{source + ": no signal matches '" + pattern + "'" + did_you_mean(pattern, names)};
   std::vector<std::string> result;
   for (const auto& name : names)
     if (matches(name, patterns)) result.push_back(name);
   return result;
+}
+
+/// The signals of a ring that match at least one pattern, in the order of its map.
+/// @throws Error as selected
+inline std::vector<const memmap::SignalEntry*> selected_signals(
+    const broker::Ring& ring, const std::string& name, const std::vector<std::string>& patterns) {
+  std::vector<std::string> names;
+  for (const auto& entry : ring.map().signals()) names.push_back(entry.name);
+  names = selected(names, patterns, "ring '" + name + "'");
+  std::vector<const memmap::SignalEntry*> signals;
+  for (const auto& one : names) signals.push_back(&ring.map().entry(ring.map().signal(one)));
+  return signals;
 }
 
 }  // namespace rths::app

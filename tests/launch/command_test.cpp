@@ -321,9 +321,11 @@ TEST_F(RingCommand, DumpPrintsJsonThatParses) {
             std::string::npos);
 }
 
-TEST_F(RingCommand, DumpRefusesAPatternThatMatchesNothing) {
-  EXPECT_EQ(run_rths({"dump", name, "--once", "nothing.*"}).err,
-            "rths: no signal of the ring matches\n");
+TEST_F(RingCommand, DumpAndWhoRefuseAPatternThatMatchesNothing) {
+  const std::string refusal =
+      "rths: ring '" + name + "': no signal matches 'ref.lng' (did you mean 'ref.long'?)\n";
+  EXPECT_EQ(run_rths({"dump", name, "--once", "ref.l*", "ref.lng"}).err, refusal);
+  EXPECT_EQ(run_rths({"who", name, "ref.l*", "ref.lng"}).err, refusal);
 }
 
 TEST_F(RingCommand, DoctorListsTheNodesOfARing) {

@@ -90,12 +90,14 @@ TEST_F(ExportCommand, WritesTheWholeRecordingAsAMatFile) {
 
 TEST_F(ExportCommand, ReportsWrongInputAndWritesNothing) {
   const auto error = [&](const std::vector<std::string>& options) { return run(options).err; };
+  const std::string file = recording().string();
 
   EXPECT_EQ(error({"--signals", "fbk.lng.displ"}),
-            "rths: no signal of the recording matches 'fbk.lng.displ' (did you mean "
-            "'fbk.long.displ'?)\n");
+            "rths: " + file +
+                ": no signal matches 'fbk.lng.displ' (did you mean "
+                "'fbk.long.displ'?)\n");
   EXPECT_EQ(error({"--signals", "fbk.*", "nothing.*"}),
-            "rths: no signal of the recording matches 'nothing.*'\n");
+            "rths: " + file + ": no signal matches 'nothing.*'\n");
   EXPECT_EQ(error({"--from", "2", "--to", "3"}),
             "rths: no row from 2 to 3 s, expected times from 0 to 1 s\n");
   EXPECT_EQ(error({"--from", "0.6", "--to", "0.4"}),
