@@ -6,20 +6,22 @@
 
 #include <Eigen/Cholesky>
 
-#include <rths/core/error.hpp>
+#include "require.hpp"
 
 namespace rths::controller {
 namespace {
 
 AtsSettings checked(const AtsSettings& settings) {
-  if (!(settings.period > 0)) throw Error{"ATS: the period must be positive"};
-  if (settings.decimation < 1) throw Error{"ATS: decimation must be at least 1"};
-  if (!(settings.window >= 4 * settings.decimation * settings.period))
-    throw Error{"ATS: the window holds fewer than four samples"};
-  if ((settings.lowest.array() > settings.highest.array()).any())
-    throw Error{"ATS: a range has its lowest value above its highest"};
-  if ((settings.largest_change.array() <= 0).any())
-    throw Error{"ATS: the largest change per sample must be positive"};
+  const Require require{"ATS"};
+  require.positive("period", settings.period);
+  require(settings.decimation >= 1, "decimation", settings.decimation, "at least 1");
+  require(settings.window >= 4 * settings.decimation * settings.period, "window", settings.window,
+          "at least four samples, each of 'decimation' periods");
+  for (Eigen::Index i = 0; i < settings.lowest.size(); ++i) {
+    require(settings.lowest[i] <= settings.highest[i], "the lowest value of a range",
+            settings.lowest[i], "at most its highest");
+    require.positive("largest change per sample", settings.largest_change[i]);
+  }
   return settings;
 }
 

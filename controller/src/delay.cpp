@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <rths/core/error.hpp>
 
 namespace rths::controller {
@@ -72,9 +74,13 @@ DelayIdentification identify_delay(std::span<const double> reference,
                                    std::span<const double> measured, double time_step,
                                    double search) {
   const long shifts = std::lround(search / time_step);
-  if (reference.size() != measured.size()) throw Error{"delay: the two signals differ in length"};
+  if (reference.size() != measured.size())
+    throw Error{fmt::format("delay: the signals have {} and {} values, expected equal lengths",
+                            reference.size(), measured.size())};
   if (shifts < 1 || reference.size() < static_cast<std::size_t>(4 * shifts))
-    throw Error{"delay: the signals are too short for the range of shifts"};
+    throw Error{fmt::format(
+        "delay: the signals have {} values, expected at least four times the largest shift, {}",
+        reference.size(), 4 * shifts)};
   std::vector<double> correlations;
   std::vector<double> closeness;
   for (long shift = -shifts; shift <= shifts; ++shift) {
@@ -90,7 +96,9 @@ DelayIdentification identify_delay(std::span<const double> reference,
 
 TrackingError tracking_error(std::span<const double> reference, std::span<const double> measured) {
   if (reference.size() != measured.size())
-    throw Error{"tracking error: the two signals differ in length"};
+    throw Error{
+        fmt::format("tracking error: the signals have {} and {} values, expected equal lengths",
+                    reference.size(), measured.size())};
   const double largest = largest_magnitude(reference);
   if (!(largest > 0)) throw Error{"tracking error: the reference is zero throughout"};
   double peak = 0;

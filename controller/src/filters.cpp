@@ -129,7 +129,8 @@ double Notch::operator()(double input) noexcept {
 }
 
 MovingAverage::MovingAverage(int length) {
-  if (length < 1) throw Error{"moving average: expected a length of at least 1"};
+  if (length < 1)
+    throw Error{fmt::format("moving average: the length is {}, expected at least 1", length)};
   samples_.assign(static_cast<std::size_t>(length), 0.0);
 }
 
@@ -144,8 +145,11 @@ double MovingAverage::operator()(double input) noexcept {
 }
 
 EndSlope::EndSlope(int length, double period) {
-  if (length < 3) throw Error{"slope filter: expected a length of at least 3"};
-  if (!(period > 0)) throw Error{"slope filter: the period must be positive"};
+  if (length < 3)
+    throw Error{fmt::format("slope filter: the length is {}, expected at least 3", length)};
+  if (!(period > 0))
+    throw Error{
+        fmt::format("slope filter: the period is {:g}, expected a positive number", period)};
   // Least-squares parabola over τ = −i·period. Its slope at τ = 0 is row 1 of the pseudo-inverse
   // times the samples.
   Eigen::MatrixXd X(length, 3);

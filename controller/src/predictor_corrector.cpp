@@ -2,9 +2,8 @@
 #include <rths/controller/predictor_corrector.hpp>
 
 #include <algorithm>
-#include <string>
 
-#include <rths/core/error.hpp>
+#include "require.hpp"
 
 namespace rths::controller {
 namespace {
@@ -13,25 +12,24 @@ constexpr double kSmallestIncrement = 0.001;  // lets a held command start movin
 constexpr double kWarnedDelayRatio = 0.6;
 constexpr double kRefusedDelayRatio = 0.8;
 
-void require(bool holds, const std::string& message) {
-  if (!holds) throw Error{"predictor-corrector: " + message};
-}
-
 }  // namespace
 
 PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& settings)
     : settings_{settings},
       hold_point_{hold_point(settings.slow_down_from)},
       ramp_{(hold_point_ - settings.slow_down_from) * settings.substeps} {
-  require(settings.axes >= 1, "expected at least one axis");
-  require(settings.substeps >= 10, "expected at least 10 substeps per integration step");
-  require(settings.slow_down_from > 0 && settings.slow_down_from < 1,
-          "slow-down must begin within the step, between 0 and 1");
-  require(ramp_ > 1, "slow-down begins so late that it ends within one substep");
-  require(settings.largest_xi > 0 && settings.largest_xi < 1,
-          "the cap on xi must lie between 0 and 1");
-  require(settings.simulation_step > 0 && settings.integration_step > 0,
-          "the steps must be positive");
+  const Require require{"predictor-corrector"};
+  const double begin = settings.slow_down_from;
+  require(settings.axes >= 1, "the number of axes", static_cast<double>(settings.axes),
+          "at least 1");
+  require(settings.substeps >= 10, "the number of substeps", settings.substeps, "at least 10");
+  require(begin > 0 && begin < 1, "the begin of slow-down", begin, "a number between 0 and 1");
+  require(ramp_ > 1, "the begin of slow-down", begin,
+          "an earlier one: slow-down ends within one substep");
+  require(settings.largest_xi > 0 && settings.largest_xi < 1, "the largest xi", settings.largest_xi,
+          "a number between 0 and 1");
+  require.positive("simulation step", settings.simulation_step);
+  require.positive("integration step", settings.integration_step);
   for (auto& targets : history_) targets.setZero(settings.axes);
   for (auto& rate : rate_) rate.setZero(settings.axes);
   for (Eigen::VectorXd* vector :

@@ -20,6 +20,10 @@ struct Require {
   void positive(const char* name, double value) const {
     (*this)(value > 0, name, value, "a positive number");
   }
+  /// @throws Error unless the value is 0 or more   @setup
+  void zero_or_more(const char* name, double value) const {
+    (*this)(value >= 0, name, value, "0 or more");
+  }
 };
 
 }  // namespace rths::controller

@@ -7,13 +7,18 @@
 #include <numbers>
 
 #include <rths/core/constants.hpp>
-#include <rths/core/error.hpp>
+
+#include "require.hpp"
 
 namespace rths::controller {
+
 ForceCascade::ForceCascade(const ForceCascadeSettings& settings) : settings_{settings} {
-  if (!(settings.period > 0 && settings.stiffness > 0 && settings.gain > 0 && settings.lag >= 0 &&
-        settings.reference_limit > 0))
-    throw Error{"force cascade: expected positive period, stiffness, gain and limit"};
+  const Require require{"force cascade"};
+  require.positive("period", settings.period);
+  require.positive("stiffness", settings.stiffness);
+  require.positive("gain", settings.gain);
+  require.zero_or_more("lag", settings.lag);
+  require.positive("reference limit", settings.reference_limit);
 }
 
 double ForceCascade::step(double target, double measured) noexcept {
@@ -77,10 +82,15 @@ double velocity_gain(const SingleActingServo& servo, double stiffness) {
 VerticalForceSettings single_acting_vertical(const AxialBearing& bearing,
                                              const SingleActingServo& servo,
                                              double servo_stiffness) {
-  if (!(servo.position_gain > 0 && servo.valve_frequency > 0 && servo.valve_damping > 0 &&
-        servo.delay >= 0 && servo.oil_stiffness > 0 && servo.supply_force > 0 &&
-        servo.platen_mass >= 0 && servo_stiffness > 0))
-    throw Error{"vertical force: expected positive gain, valve, stiffnesses and supply force"};
+  const Require require{"vertical force"};
+  require.positive("position gain", servo.position_gain);
+  require.positive("valve frequency", servo.valve_frequency);
+  require.positive("valve damping", servo.valve_damping);
+  require.zero_or_more("delay", servo.delay);
+  require.positive("oil stiffness", servo.oil_stiffness);
+  require.positive("supply force", servo.supply_force);
+  require.zero_or_more("platen mass", servo.platen_mass);
+  require.positive("servo stiffness", servo_stiffness);
   VerticalForceSettings settings = srmd_vertical();
   settings.bearing = bearing;
   // The loaded servo lags by force over stiffness, which no derivative of the motion contains.
@@ -132,11 +142,13 @@ VerticalForceControl::VerticalForceControl(const VerticalForceSettings& settings
   if (settings.single_acting)
     flow_.emplace(*settings.single_acting, settings.bearing.stiffness, settings.inverse.smoothing,
                   settings.inverse.period);
-  if (!(settings.bearing.stiffness > 0 && settings.bearing.servo_stiffness > 0 &&
-        settings.bearing.softening >= 0 && settings.bearing.series_stiffness >= 0))
-    throw Error{"vertical force: expected positive stiffnesses of bearing and servo"};
-  if (!(settings.observer_bandwidth >= 0 && settings.observer_limit > 0))
-    throw Error{"vertical force: expected a bandwidth of 0 or more and a positive limit"};
+  const Require require{"vertical force"};
+  require.positive("stiffness of the bearing", settings.bearing.stiffness);
+  require.positive("servo stiffness", settings.bearing.servo_stiffness);
+  require.zero_or_more("softening of the bearing", settings.bearing.softening);
+  require.zero_or_more("series stiffness", settings.bearing.series_stiffness);
+  require.zero_or_more("observer bandwidth", settings.observer_bandwidth);
+  require.positive("observer limit", settings.observer_limit);
 }
 
 double VerticalForceControl::step(double target, double measured, double horizontal_target,

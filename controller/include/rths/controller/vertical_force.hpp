@@ -14,7 +14,7 @@ namespace rths::controller {
 ///     r = F_t/K + g ∫ (F_t − F) dt/K + g T (F_t − F)/K
 /// T cancels the inner loop's lag, so the outer loop is an integrator behind the inner delay.
 struct ForceCascadeSettings {
-  double period = 1e-3;
+  double period = 1e-3;           ///< of the controller [s]
   double stiffness = 5e9;         ///< K: of the specimen [N/m]
   double gain = 15;               ///< g: crossover of the outer loop [rad/s]
   double lag = 0.05;              ///< T [s]
@@ -23,7 +23,7 @@ struct ForceCascadeSettings {
 
 class ForceCascade {
  public:
-  /// @throws Error if a setting is not positive   @setup
+  /// @throws Error if a setting is not positive; the lag may be 0   @setup
   explicit ForceCascade(const ForceCascadeSettings& settings);
   /// @param target, measured  force, compression positive [N]; not finite: the reference is held
   /// @returns the displacement reference, towards the specimen [m]   @realtime
@@ -84,7 +84,7 @@ struct VerticalForceSettings {
 /// smoothed derivatives of the displacement.
 class FlowLead {
  public:
-  /// @throws Error if a setting is not positive   @setup
+  /// @pre all settings are positive, as single_acting_vertical checks   @setup
   FlowLead(const SingleActingServo& servo, double stiffness, double smoothing, double period);
   /// @param wanted  displacement [m]   @param load  of the specimen [N]   @realtime
   [[nodiscard]] double step(double wanted, double load) RTHS_REALTIME;
