@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/report/drawing.hpp>
@@ -69,7 +70,7 @@ void check_change(const Config& bearing, const LoopArguments& arguments, const s
   for (const auto& one : sim::term_kind(bearing.table(term).text("kind", term)).parameters)
     known.push_back(sim::parameter_key(one, sim::Channel::Force));
   known.insert(known.end(), {"enabled", "axes"});
-  if (std::find(known.begin(), known.end(), parameter) == known.end())
+  if (!contains(known, parameter))
     throw Error{fmt::format("--set {}: term '{}' has no parameter '{}'{}", key, term, parameter,
                             did_you_mean_one_of(parameter, known))};
 }

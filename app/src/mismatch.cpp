@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <sstream>
 #include <system_error>
 #include <utility>
 
@@ -14,6 +13,7 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
+#include <rths/core/toml_list.hpp>
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -23,8 +23,6 @@
 
 namespace rths::app {
 namespace {
-
-constexpr const char* kImprovement = "model.improvement";
 
 // A file of this process, for as long as the object lives.
 class Draft {
@@ -44,15 +42,14 @@ class Draft {
   std::filesystem::path path_;
 };
 
-// Adds a file to the list of improvements of a run.
-launch::Overrides improved_by(const std::filesystem::path& fragment, launch::Overrides changes) {
-  const std::string file = "\"" + fragment.string() + "\"";
-  for (auto& [key, value] : changes)
-    if (key == kImprovement && value.ends_with("]")) {
-      value.insert(value.size() - 1, ", " + file);
-      return changes;
-    }
-  changes.emplace_back(kImprovement, "[" + file + "]");
+// Adds a file to the improvements of an experiment.
+launch::Overrides improved_by(const std::filesystem::path& fragment,
+                              const std::filesystem::path& file, launch::Overrides changes) {
+  Config experiment = Config::load(file);
+  for (const auto& [key, value] : changes) experiment.set(key, value);
+  auto files = experiment.table_or_empty("model").texts("improvement", {});
+  files.push_back(fragment.string());
+  changes.emplace_back("model.improvement", toml_list(files));
   return changes;
 }
 
@@ -65,7 +62,7 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
   std::optional<Draft> draft;  // the results replace earlier ones when all of them are complete
   if (!fragment.empty()) {
     draft.emplace(std::filesystem::absolute(folder / "improved.draft.toml"), fragment);
-    improved = load_experiment(file, improved_by(draft->path(), changes));
+    improved = load_experiment(file, improved_by(draft->path(), file, changes));
   }
   const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
   std::optional<recording::Reader> held_out;
@@ -145,12 +142,7 @@ void add_mismatch_budget(const std::filesystem::path& recording,
     verdict.limits.push_back(trouble);
     return;
   }
-  launch::Overrides changes;
-  std::istringstream lines{run.config(recording::kOverridesText)};
-  for (std::string line; std::getline(lines, line);)
-    if (const auto equals = line.find('='); equals != std::string::npos)
-      changes.emplace_back(line.substr(0, equals), line.substr(equals + 1));
-  add_mismatch_budget(recording, path->second, changes, folder, verdict);
+  add_mismatch_budget(recording, path->second, recording::overrides_of(run), folder, verdict);
 }
 
 }  // namespace rths::app

@@ -14,9 +14,11 @@
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/core/message.hpp>
+#include <rths/core/toml_list.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -50,14 +52,9 @@ void clear_progress() { write_message(fmt::format("\r{: <70}\r", "")); }
 // The files as a TOML list of absolute paths. A path through the link `latest` must still lead to
 // the same file when the run has begun.
 std::string listed(const std::vector<std::string>& files) {
-  std::string list;
-  for (const auto& file : files) {
-    std::string text;
-    for (const char c : std::filesystem::weakly_canonical(file).string())
-      text += c == '\\' || c == '"' ? std::string{'\\', c} : std::string{c};
-    list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", text);
-  }
-  return "[" + list + "]";
+  std::vector<std::string> paths;
+  for (const auto& file : files) paths.push_back(std::filesystem::weakly_canonical(file).string());
+  return toml_list(paths);
 }
 
 Changes changes_of(const RunArguments& arguments, const std::vector<std::string>& improvements) {
@@ -90,7 +87,7 @@ void check_host(const RunArguments& arguments, const launch::Experiment& experim
   if (arguments.host.empty()) return;
   std::vector<std::string> known;
   for (const auto& host : experiment.hosts) known.push_back(host.name);
-  if (std::find(known.begin(), known.end(), arguments.host) != known.end()) return;
+  if (contains(known, arguments.host)) return;
   throw Error{fmt::format("{}: has no host '{}', {}", arguments.experiment, arguments.host,
                           known.empty()
                               ? "expected tables [host.…]"

@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/toml_list.hpp>
 
 #include "toml_depth.hpp"
 
@@ -133,6 +134,10 @@ void write_table(const ConfigValue::Table& table, const std::string& prefix, std
 }
 
 }  // namespace
+
+std::string toml_list(const std::vector<std::string>& texts) {
+  return "[" + joined(texts, quoted) + "]";
+}
 
 std::string write_toml(const ConfigValue::Table& table) {
   std::string text;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/adapters/test_setup.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/launch/hybrid_test.hpp>
@@ -60,17 +61,11 @@ void check_composition(const Config& table, const Config& model) {
       known.push_back(fmt::format("{}.{}", key, parameter.name));
   }
   for (const auto& name : table.texts("fitted", {})) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    if (contains(known, name)) continue;
     const std::string hint = did_you_mean(name, known);
     table.fail("fitted", fmt::format("the model has no parameter '{}'{}", name,
                                      hint.empty() ? ", expected \"term.parameter\"" : hint));
   }
-}
-
-std::string quoted(const std::vector<std::string>& names) {
-  std::string text;
-  for (const auto& name : names) text += fmt::format("{}\"{}\"", text.empty() ? "" : ", ", name);
-  return "[" + text + "]";
 }
 
 // Terms of a diagnosis for "specimen" or "machine". Added terms are enabled even if the model
@@ -234,7 +229,7 @@ AssumedModel read_assumed_model(const Config& table, const Config& specimen, con
   add_terms(model, sim::srmd_terms().overlaid(changed));
   add_axes(model, assumed.machine);
   check_composition(table, model);
-  model.set("fitted", quoted(table.texts("fitted", {})));
+  model.put("fitted", table.texts("fitted", {}));
   if (table.has("bounds")) model.set("bounds", table.table("bounds"));
   table.reject_unknown_keys();
   assumed.text = model.to_toml();

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include <rths/core/config.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
@@ -234,7 +235,7 @@ void check_hosts(const Config& file, const Experiment& experiment) {
     if (plan.host.empty() && !known.empty())
       throw Error{fmt::format("{}: node '{}' has no host, expected host = one of {}", table.where(),
                               plan.node, fmt::join(known, ", "))};
-    if (!plan.host.empty() && std::find(known.begin(), known.end(), plan.host) == known.end())
+    if (!plan.host.empty() && !contains(known, plan.host))
       table.fail("host",
                  fmt::format("host is '{}', expected {}", plan.host,
                              known.empty() ? "a table [host." + plan.host + "]"

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::recording {
@@ -63,17 +64,6 @@ const std::vector<NodeRole>& node_roles() {
   return roles;
 }
 
-// The first node with one of the adapters.
-std::optional<std::string> node_with(const Config& nodes,
-                                     const std::vector<std::string>& adapters) {
-  for (const auto& name : nodes.keys()) {
-    if (!nodes.is_table(name)) continue;
-    const std::string adapter = nodes.table(name).text("adapter", "");
-    if (std::find(adapters.begin(), adapters.end(), adapter) != adapters.end()) return name;
-  }
-  return std::nullopt;
-}
-
 std::string filled_in(std::string name, const Roles& roles, const std::string& axis) {
   const auto replace = [&](const std::string& mark, const std::string& value) {
     if (const auto at = name.find(mark); at != std::string::npos)
@@ -108,11 +98,18 @@ Roles read_roles(const Config& experiment) {
     for (const auto& role : kAxisRoles)
       names.*role.name = own.text(role.key, filled_in(role.usual, roles, axis));
     own.reject_unknown_keys();
-    if (std::find(tested.begin(), tested.end(), axis) != tested.end())
-      roles.axes.push_back(std::move(names));
+    if (contains(tested, axis)) roles.axes.push_back(std::move(names));
   }
   table.reject_unknown_keys();
   return roles;
+}
+
+std::optional<std::string> node_with(const Config& nodes,
+                                     const std::vector<std::string>& adapters) {
+  for (const auto& name : nodes.keys())
+    if (nodes.is_table(name) && contains(adapters, nodes.table(name).text("adapter", "")))
+      return name;
+  return std::nullopt;
 }
 
 void check_roles(const Config& roles, const memmap::Map& map) {
@@ -128,15 +125,21 @@ void check_roles(const Config& roles, const memmap::Map& map) {
     for (const auto& role : kAxisRoles) check(roles.table_or_empty(axis), role.key);
 }
 
+std::vector<std::pair<std::string, std::string>> overrides_of(const Reader& run) {
+  std::vector<std::pair<std::string, std::string>> changes;
+  std::istringstream lines{run.config(kOverridesText)};
+  for (std::string line; std::getline(lines, line);)
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      changes.emplace_back(line.substr(0, equals), line.substr(equals + 1));
+  return changes;
+}
+
 std::optional<Config> experiment_in(const Reader& run) {
   const auto meta = run.meta();
   const auto name = meta.find("experiment");
   if (name == meta.end()) return std::nullopt;
   auto file = Config::parse(run.config(name->second), name->second);
-  std::istringstream changes{run.config(kOverridesText)};
-  for (std::string line; std::getline(changes, line);)
-    if (const auto equals = line.find('='); equals != std::string::npos)
-      file.set(line.substr(0, equals), line.substr(equals + 1));
+  for (const auto& [key, value] : overrides_of(run)) file.set(key, value);
   const std::string map_roles = run.config(kMapRolesText);
   return map_roles.empty() ? file : with_map_roles(file, Config::parse(map_roles, kMapRolesText));
 }
@@ -149,7 +152,7 @@ Roles roles_of(const Reader& run) {
   const auto is_written = [&](const std::string& name) {
     if (!run.has(name)) return false;
     const auto& writer = run.map().entry(run.map().signal(name)).partition->node;
-    return std::find(nodes.begin(), nodes.end(), writer) != nodes.end();
+    return contains(nodes, writer);
   };
   const auto replace = [&](std::string& name, const std::vector<std::string>& others) {
     if (is_written(name)) return;

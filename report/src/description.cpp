@@ -61,14 +61,10 @@ std::string list_of(const std::vector<std::string>& items) {
 }
 
 // The first node with one of the adapters; an empty table if there is none.
-Config node_with(const Config& file, const std::vector<std::string>& adapters) {
+Config table_of_node(const Config& file, const std::vector<std::string>& adapters) {
   const Config nodes = file.table_or_empty("node");
-  for (const auto& name : nodes.keys()) {
-    const Config node = nodes.table(name);
-    if (std::find(adapters.begin(), adapters.end(), node.text("adapter", "")) != adapters.end())
-      return node;
-  }
-  return {};
+  const auto name = recording::node_with(nodes, adapters);
+  return name ? nodes.table(*name) : Config{};
 }
 
 const std::vector<std::string>& models_of_machines() {
@@ -131,7 +127,7 @@ std::string laboratory_sentence(const Config& file, const MachineNode& machine) 
 }
 
 std::string structure_sentence(const Config& file) {
-  const Config solver = node_with(file, {"numerical", "opensees"});
+  const Config solver = table_of_node(file, {"numerical", "opensees"});
   if (!solver.has("adapter"))
     return file.has("plant")
                ? "The structure is that of the solver's program. The numerical result is that of "
@@ -150,7 +146,7 @@ std::string structure_sentence(const Config& file) {
 }
 
 std::string vertical_sentence(const Config& file, const MachineNode& machine) {
-  if (node_with(file, {"numerical"}).text("vertical_feedback", "model") == "measured")
+  if (table_of_node(file, {"numerical"}).text("vertical_feedback", "model") == "measured")
     return "The vertical force is tested, too: its measurement restores the structure.";
   const Config motion = file.table_or_empty("motion"), plant = file.table_or_empty("plant");
   std::vector<std::string> causes;
@@ -158,7 +154,7 @@ std::string vertical_sentence(const Config& file, const MachineNode& machine) {
     causes.emplace_back("vertical motion of the ground");
   if (plant.number("bearing_long_m", 0) != 0 || plant.number("bearing_lat_m", 0) != 0)
     causes.emplace_back("overturning of the structure");
-  if (causes.empty() || node_with(file, {"opensees"}).has("adapter"))
+  if (causes.empty() || table_of_node(file, {"opensees"}).has("adapter"))
     return "The vertical load of the bearing is constant.";
   if (machine.adapter == "ideal_machine")
     return "The ideal machine has no vertical axis, so the vertical load of the bearing is "

@@ -19,14 +19,6 @@ using recording::Reader;
 
 constexpr double kRounding = 0.5;  // of an integration step
 
-// The first node with the adapter; empty if there is none.
-std::string node_of(const Config& experiment, const std::string& adapter) {
-  const Config nodes = experiment.table("node");
-  for (const auto& name : nodes.keys())
-    if (nodes.table(name).text("adapter", "") == adapter) return name;
-  return "";
-}
-
 // Largest value of a signal; 0 if it is not recorded.
 double largest_of(const Reader& run, const std::string& signal) {
   double largest = 0;
@@ -44,9 +36,11 @@ double reached_in(const Reader& run, const Config& experiment, bool is_completed
   const double latest = largest_of(run, roles.time);
   // The time of OpenSees can restart. Its count lacks trials that repeat the one before, as the
   // first, which its time has.
-  const std::string moves = "monitor." + node_of(experiment, "opensees") + ".step";
+  const Config nodes = experiment.table("node");
+  const std::string moves =
+      "monitor." + recording::node_with(nodes, {"opensees"}).value_or("") + ".step";
   if (run.has(moves)) return std::max((largest_of(run, moves) + 1) * step, latest);
-  if (latest > 0 || (run.has(roles.time) && !node_of(experiment, "numerical").empty()))
+  if (latest > 0 || (run.has(roles.time) && recording::node_with(nodes, {"numerical"})))
     return latest;
   // A solver of the user's own may write no time.
   const std::string counted = roles.monitor_of_controller() + "pc.targets";
@@ -217,7 +211,8 @@ class Judgement {
                        [&](const Broken& broken) { return broken.condition == condition; });
   }
 
-  [[nodiscard]] bool is_one_of(const std::string& signal, Word AxisEvidence::*word) const {
+  [[nodiscard]] bool is_one_of(const std::string& signal,
+                               RecordedSignal AxisEvidence::*word) const {
     return std::any_of(axes_.begin(), axes_.end(),
                        [&](const AxisEvidence& axis) { return (axis.*word).name == signal; });
   }

@@ -42,10 +42,6 @@ def colour(rng, deviation):
     return Colour(deviation, tuple(shares / shares.sum()))
 
 
-def time_axis(duration, step):
-    return np.arange(round(duration / step)) * step
-
-
 def swell(t, rest, rise):
     """0 while at rest, then a smooth rise to 1."""
     phase = np.clip((t - rest) / rise, 0, 1)

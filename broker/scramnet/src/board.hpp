@@ -35,7 +35,6 @@ class Board {
 
   [[nodiscard]] bool map_window();
   void unmap_window();
-  [[nodiscard]] bool is_mapped() const { return window_ != nullptr; }
   [[nodiscard]] std::byte* window() const { return window_; }
   /// Memory of a real card with the same size code [B].
   [[nodiscard]] std::uint64_t card_bytes() { return bytes_of_size_code(size_code_); }

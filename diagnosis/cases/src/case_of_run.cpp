@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include <fmt/format.h>
 
@@ -161,10 +160,7 @@ void take_experiment(const Reader& run, CaseSource& source) {
   if (name == meta.end() || path == meta.end() || !std::filesystem::exists(path->second)) return;
   const auto folder = std::filesystem::absolute(path->second).parent_path();
   Config experiment = Config::parse(run.config(name->second), name->second).in_folder(folder);
-  std::istringstream changes{run.config(recording::kOverridesText)};
-  for (std::string line; std::getline(changes, line);)
-    if (const auto equals = line.find('='); equals != std::string::npos)
-      experiment.set(line.substr(0, equals), line.substr(equals + 1));
+  for (const auto& [key, value] : recording::overrides_of(run)) experiment.set(key, value);
   source.experiment = experiment.in_its_folder();
   source.experiment_folder = source.experiment.resolve("");
   source.inputs = source.experiment.named_files();

@@ -37,8 +37,6 @@ double deviation_of(const Section& section) {
   return std::sqrt(squares / count);
 }
 
-std::string_view family_of(std::string_view role) { return role.substr(0, role.find('.')); }
-
 // What drives a test, and what a model predicts. An acceleration may be nothing but noise.
 bool shows_motion(const Channel& channel) {
   constexpr std::string_view kFamilies[] = {"command", "displacement", "input", "force", "output"};

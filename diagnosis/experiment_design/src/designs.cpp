@@ -39,7 +39,6 @@ constexpr double kOvershoot = 1.05;    // of the acceleration of a sine, while i
 constexpr double kRoundOff = 1e-6;     // relative
 constexpr double kLeastAxis = 0.01;    // of the other axis' displacement: less is hardly a motion
 
-std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
 std::string axis_name_of(const std::string& role) { return role.substr(role.find('.') + 1); }
 
 // Rounds down to two significant digits, as machines are set.

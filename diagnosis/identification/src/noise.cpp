@@ -63,8 +63,6 @@ double floor_of(const Channel& channel, double time_step) {
   return std::sqrt(*quiet / (2 * time_step));
 }
 
-std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
-
 // Samples of a channel at rest.
 struct Rest {
   std::vector<Stretch> stretches;

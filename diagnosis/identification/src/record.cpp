@@ -3,6 +3,8 @@
 
 namespace rths::diagnosis {
 
+std::string family_of(std::string_view role) { return std::string{role.substr(0, role.find('.'))}; }
+
 std::string name_of(Use use) {
   if (use == Use::Fit) return "fit";
   return use == Use::HeldOut ? "held_out" : "reference";

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/models/dynamic_relation.hpp>
 #include <rths/sim/term.hpp>
@@ -14,10 +15,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-bool holds(const std::vector<std::string>& names, const std::string& name) {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
 
 std::vector<std::string> names_of_library() {
   std::vector<std::string> names;
@@ -48,14 +45,14 @@ void reject_unknown_terms(const std::vector<std::string>& without, const Case& c
   std::vector<std::string> known = names_of_library();
   add_names_of_model(c, known);
   for (const auto& name : without) {
-    if (holds(known, name)) continue;
+    if (contains(known, name)) continue;
     throw Error{fmt::format("without: there is no term '{}'{}", name, did_you_mean(name, known))};
   }
 }
 
 bool is_barred(const std::vector<std::string>& without, const std::string& name,
                const std::string& kind) {
-  return holds(without, name) || holds(without, kind);
+  return contains(without, name) || contains(without, kind);
 }
 
 }  // namespace rths::diagnosis

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/contains.hpp>
 #include <rths/experiment_design/next_test.hpp>
 #include <rths/identification/investigation.hpp>
 #include <rths/identification/lattice.hpp>
@@ -30,12 +31,12 @@ namespace {
 using Investigations = std::vector<std::unique_ptr<Investigation>>;
 
 std::string quantisation_of(const Lattice& lattice) {
-  return lattice.role.substr(0, lattice.role.find('.')) + "_quantisation";
+  return family_of(lattice.role) + "_quantisation";
 }
 
 void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
   for (const auto& lattice : lattices) {
-    const std::string family = lattice.role.substr(0, lattice.role.find('.'));
+    const std::string family = family_of(lattice.role);
     const std::string name = quantisation_of(lattice);
     const auto known = std::find_if(verdict.causes.begin(), verdict.causes.end(),
                                     [&](const Cause& cause) { return cause.name == name; });
@@ -63,8 +64,7 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
 // Number of causes: one for each family of channels.
 std::size_t lattices_named(const std::vector<Lattice>& lattices) {
   std::set<std::string> families;
-  for (const auto& lattice : lattices)
-    families.insert(lattice.role.substr(0, lattice.role.find('.')));
+  for (const auto& lattice : lattices) families.insert(family_of(lattice.role));
   return families.size();
 }
 
@@ -79,7 +79,7 @@ const Investigation* first_where(const Investigations& all, const Condition& hol
 }
 
 void add_once(const std::string& name, std::vector<std::string>& names) {
-  if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  if (!contains(names, name)) names.push_back(name);
 }
 
 // The terms that the simulation has, and the effects that were searched for.
@@ -198,7 +198,7 @@ void name_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
   verdict.has_remainder = verdict.has_remainder || verdict.outcome == Outcome::Unknown;
   verdict.outcome = Outcome::Missing;
   verdict.where.part = Part::Sensor;
-  verdict.where.channel = lattices[0].role.substr(0, lattices[0].role.find('.'));
+  verdict.where.channel = family_of(lattices[0].role);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/contains.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
@@ -27,9 +28,6 @@ double rounded(double value) {
 std::string prefix_of(const std::string& parameter) {
   const auto dot = parameter.rfind('.');
   return dot == std::string::npos ? "" : parameter.substr(0, dot);
-}
-std::string last_of(const std::string& parameter) {
-  return parameter.substr(parameter.rfind('.') + 1);
 }
 
 // "friction" for "friction.long" and "friction.lat".
@@ -63,7 +61,8 @@ const char* name_of(sim::Channel channel) {
 const FreeParameter* free_of(const Hypothesis& named, const sim::TermSettings& term,
                              std::string_view parameter) {
   for (const auto& free : named.free)
-    if (!free.is_tolerance && last_of(free.name) == parameter && means(prefix_of(free.name), term))
+    if (!free.is_tolerance && last_name(free.name) == parameter &&
+        means(prefix_of(free.name), term))
       return &free;
   return nullptr;
 }
@@ -156,7 +155,7 @@ std::vector<TermTable> changed_tables(const Investigation& found) {
 void free_in(Config& model, const FreeParameter& free, const std::string& name,
              const sim::Parameter* known) {
   auto fitted = model.texts("fitted", {});
-  if (std::find(fitted.begin(), fitted.end(), name) != fitted.end()) return;
+  if (contains(fitted, name)) return;
   fitted.push_back(name);
   model.put("fitted", fitted);
   constexpr double kNoBound = 1e12;
@@ -188,7 +187,8 @@ void improve_composition(const Investigation& found, Config& model) {
     const Candidate& candidate = round.chosen.candidate;
     for (const auto& free : candidate.frees)
       if (may_be_fitted(candidate) && !free.is_tolerance)
-        free_in(model, free, free.name, parameter_of(candidate.kind, last_of(free.name)));
+        free_in(model, free, free.name,
+                parameter_of(candidate.kind, std::string{last_name(free.name)}));
   }
 }
 
@@ -269,7 +269,7 @@ void improve_system(const Investigation& found, Config& model) {
       const bool is_of_term = term != added.end();
       free_in(model, free,
               is_of_term
-                  ? fmt::format("{}.{}.{}", term->term->component, term->key, last_of(free.name))
+                  ? fmt::format("{}.{}.{}", term->term->component, term->key, last_name(free.name))
                   : free.name,
               nullptr);
     }
@@ -288,7 +288,7 @@ sim::Channel channel_of(const std::string& role) {
 bool has_component(const Relation& relation, const std::string& role) {
   const auto inputs = relation.drivers();
   const auto& outputs = relation.outputs();
-  return std::find(inputs.begin(), inputs.end(), role) != inputs.end() ||
+  return contains(inputs, role) ||
          std::any_of(outputs.begin(), outputs.end(),
                      [&](const auto& output) { return output.first == role; });
 }

@@ -39,8 +39,6 @@ Eigen::MatrixXd centred(const Eigen::MatrixXd& columns) {
   return columns.rowwise() - columns.colwise().mean();
 }
 
-std::string family_of(const std::string& role) { return role.substr(0, role.find('.')); }
-
 bool has_family(const Record& record, const std::string& family) {
   return std::any_of(record.channels.begin(), record.channels.end(),
                      [&](const auto& channel) { return family_of(channel.role) == family; });

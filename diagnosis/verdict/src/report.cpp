@@ -237,8 +237,7 @@ void add_evidence(const Investigation& found, Verdict& verdict) {
 }
 
 std::string output_of(const Investigation& found) {
-  const std::string& role = found.relation->outputs()[0].first;
-  return role.substr(0, role.find('.'));
+  return family_of(found.relation->outputs()[0].first);
 }
 
 void add_descriptions(const Investigation& found, Verdict& verdict) {

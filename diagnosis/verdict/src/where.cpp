@@ -155,7 +155,7 @@ std::string channel_of(const Problem& problem, const Seen& seen) {
   for (std::size_t i = 0; i < outputs.size(); ++i)
     if (outputs.size() == 1 || (all > 0 && cells.beyond_noise(i) > kNearlyAll * all))
       return outputs[i].first;
-  return outputs[0].first.substr(0, outputs[0].first.find('.'));
+  return family_of(outputs[0].first);
 }
 
 }  // namespace

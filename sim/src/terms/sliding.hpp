@@ -17,7 +17,6 @@ inline constexpr double kSteelConductivity = 18;      ///< [W/(m °C)]
 inline constexpr double kSteelDiffusivity = 4.44e-6;  ///< [m²/s]
 
 /// Reference temperature of the friction coefficients [°C].
-inline constexpr double kReferenceTemperature = 20;
 /// 0.789(0.7^(T/50 °C) + 0.4), written as r + (1 − r) e^(−(T − 20 °C)/T_s).
 inline constexpr double kResidualFriction = 0.4 / (0.86703978530 + 0.4);  ///< r [-]
 inline constexpr double kTemperatureScale = 140.183663;  ///< T_s = 50/ln(1/0.7) [°C]

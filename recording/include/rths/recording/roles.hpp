@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <rths/core/config.hpp>
@@ -46,9 +47,16 @@ inline constexpr const char* kMapRolesText = "map_roles";
 /// @throws Error with the place of the first wrong key   @setup
 [[nodiscard]] Roles read_roles(const Config& experiment);
 
+/// The first node, of the tables [node.…], with one of the adapters.   @setup
+[[nodiscard]] std::optional<std::string> node_with(const Config& nodes,
+                                                   const std::vector<std::string>& adapters);
+
 /// Checks that a map has the signals and nodes that [roles] names.
 /// @throws Error with the place of the first that is missing   @setup
 void check_roles(const Config& roles, const memmap::Map& map);
+
+/// The changes of the run's command line, key and value, in their order.   @setup
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> overrides_of(const Reader& run);
 
 /// The recorded experiment with the roles of its map and the changes of its command line; empty if
 /// the recording holds none.

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,9 @@ struct Channel {
   std::string unit;            ///< SI
   std::vector<double> values;  ///< [unit]
 };
+
+/// The first part of a role: "displacement" of "displacement.long".
+[[nodiscard]] std::string family_of(std::string_view role);
 
 /// Purpose of a record.
 enum class Use {
