@@ -10,12 +10,12 @@
 
 namespace rths::app {
 
-int bench_opensees(const OpenseesBenchArguments& arguments) {
-  bench::OpenseesBenchOptions options;
+int bench_opensees(const OpenSeesBenchArguments& arguments) {
+  bench::OpenSeesBenchOptions options;
   options.cycles = arguments.cycles;
   options.round_trips = arguments.round_trips;
   options.programs = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  const bench::OpenseesBenchReport report = bench::run_opensees_bench(options);
+  const bench::OpenSeesBenchReport report = bench::run_opensees_bench(options);
   fmt::print("{}", arguments.json ? bench::to_json(report) : bench::to_text(report));
   return exit_code(report.result);
 }

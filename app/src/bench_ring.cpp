@@ -22,7 +22,7 @@ void show_row(int cycle, const std::string& row) {
 
 }  // namespace
 
-int bench_ring(const BenchArguments& arguments) {
+int bench_ring(const RingBenchArguments& arguments) {
   bench::Options options;
   options.cycles = arguments.cycles;
   options.round_trips = arguments.round_trips;

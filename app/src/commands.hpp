@@ -162,7 +162,7 @@ struct SendArguments {
 };
 [[nodiscard]] int send(const SendArguments& arguments);
 
-struct BenchArguments {
+struct RingBenchArguments {
   int cycles = 9;
   std::uint32_t round_trips = 50'000;
   std::uint64_t seed = 1;
@@ -171,7 +171,7 @@ struct BenchArguments {
   bool json = false;
 };
 /// @returns 0 if all gates pass, 1 if inconclusive on this host, 2 if a gate fails
-[[nodiscard]] int bench_ring(const BenchArguments& arguments);
+[[nodiscard]] int bench_ring(const RingBenchArguments& arguments);
 [[nodiscard]] std::vector<std::string> bench_rows();
 
 struct LoopArguments {
@@ -257,13 +257,13 @@ struct DiagnosisBenchArguments {
 /// diagnosed, or if fewer than the required share are right
 [[nodiscard]] int bench_diagnosis(const DiagnosisBenchArguments& arguments);
 
-struct OpenseesBenchArguments {
+struct OpenSeesBenchArguments {
   int cycles = 9;
   int round_trips = 2'000;  ///< per kind and cycle
   bool json = false;
 };
 /// @returns 0 if the gate passes, 1 if inconclusive on this host, 2 if it fails
-[[nodiscard]] int bench_opensees(const OpenseesBenchArguments& arguments);
+[[nodiscard]] int bench_opensees(const OpenSeesBenchArguments& arguments);
 
 struct BridgeBenchArguments {
   int cycles = 5;
@@ -291,11 +291,11 @@ struct VerticalBenchArguments {
 
 /// Of `rths bench`.
 struct BenchmarkArguments {
-  BenchArguments ring;
+  RingBenchArguments ring;
   BearingBenchArguments bearings;
   SrmdBenchArguments srmd;
   CardBenchArguments card;
-  OpenseesBenchArguments opensees;
+  OpenSeesBenchArguments opensees;
   BridgeBenchArguments bridge;
   DiagnosisBenchArguments diagnosis;
   ForceBenchArguments force;
@@ -330,7 +330,7 @@ struct DoctorArguments {
 };
 [[nodiscard]] int doctor(const DoctorArguments& arguments);
 /// Interfaces of this host, gateways of the domain and their clocks; advice.
-/// @returns 0 if a gateway was heard, otherwise 1
+/// @returns 0 if a gateway answered, otherwise 1
 [[nodiscard]] int doctor_of_network(const DoctorArguments& arguments);
 /// Removes rings.
 /// @param rings  empty: those that no process uses, without idle cards

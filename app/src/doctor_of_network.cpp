@@ -28,7 +28,7 @@ std::string describe(const dds::Interface& interface) {
   return text + "\n";
 }
 
-std::string describe(const dds::HeardGateway& gateway) {
+std::string describe(const dds::FoundGateway& gateway) {
   const auto& host = gateway.host;
   std::string text = fmt::format("  host '{}': {} nodes, map {}", host.name, gateway.nodes,
                                  memmap::hash_text(gateway.map_hash));
@@ -46,7 +46,7 @@ std::string describe(const dds::HeardGateway& gateway) {
 std::string advice(std::uint32_t domain) {
   const std::uint32_t first = 7400 + 250 * domain;
   return fmt::format(
-      "no gateway was heard within {:.0f} s. Check on the other host:\n"
+      "no gateway answered within {:.0f} s. Check on the other host:\n"
       "  a gateway runs with --domain {}, on an interface of the same network (--interface)\n"
       "  no firewall blocks the UDP ports {} to {}\n"
       "  the network carries multicast; if not, name the hosts to each other with --peer\n",
@@ -54,7 +54,7 @@ std::string advice(std::uint32_t domain) {
 }
 
 Json document(const std::vector<dds::Interface>& interfaces,
-              const std::vector<dds::HeardGateway>& gateways) {
+              const std::vector<dds::FoundGateway>& gateways) {
   Json json = {{"interfaces", Json::array()}, {"gateways", Json::array()}};
   for (const auto& one : interfaces)
     json["interfaces"].push_back({{"name", one.name},
@@ -86,17 +86,17 @@ int doctor_of_network(const DoctorArguments& arguments) {
   network.peers = arguments.peers;
   const auto interfaces = dds::interfaces();
   const auto gateways = dds::listen_for_gateways(network, kListening);
-  const bool is_heard = !gateways.empty();
+  const bool is_found = !gateways.empty();
   if (arguments.format == "json") {
     fmt::print("{}\n", document(interfaces, gateways).dump());
-    return is_heard ? kOk : kConditionNotMet;
+    return is_found ? kOk : kConditionNotMet;
   }
   fmt::print("interfaces:\n");
   for (const auto& interface : interfaces) fmt::print("{}", describe(interface));
-  if (is_heard) fmt::print("gateways in domain {}:\n", network.domain);
+  if (is_found) fmt::print("gateways in domain {}:\n", network.domain);
   for (const auto& gateway : gateways) fmt::print("{}", describe(gateway));
-  if (!is_heard) fmt::print("{}", advice(network.domain));
-  return is_heard ? kOk : kConditionNotMet;
+  if (!is_found) fmt::print("{}", advice(network.domain));
+  return is_found ? kOk : kConditionNotMet;
 }
 
 }  // namespace rths::app

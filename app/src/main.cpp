@@ -126,9 +126,10 @@ void add_node(CLI::App& app, Arguments& a, Chosen& chosen) {
 
 void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("check",
-                                     "Check a map, diagram, bearing, experiment, case, improved "
-                                     "model, motion, recording or plugin; its content decides "
-                                     "which");
+                                     "Check a map, diagram, constants, bearing, machine, safety "
+                                     "limits, experiment, scenario of cards, case, improved "
+                                     "model, motion, recording, plugin or FMU; its content "
+                                     "decides which");
   command->add_option("file", a.check.file, "File, or the word server")->required();
   command->add_option("address", a.check.address,
                       "HOST:PORT of a server for OpenSees' genericClient, after the word server");

@@ -184,10 +184,10 @@ std::optional<std::string> HostLink::find_trouble() {
     if (published.state == HostState::Failed || !published.text.empty())
       return fmt::format("host '{}' stopped the test: {}", other.name, published.text);
     if (has_ended(published.state)) continue;
-    const bool is_heard = std::any_of(
+    const bool has_announced = std::any_of(
         status.hosts.begin(), status.hosts.end(),
         [&](const auto& host) { return host.name == other.name && host.silence < kSignOfLife; });
-    if (is_heard) ++other.signs;
+    if (has_announced) ++other.signs;
     if (other.silence.look(clock_.now(), other.signs) > longest_silence_)
       return fmt::format("host '{}' is silent", other.name);
   }

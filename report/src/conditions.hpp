@@ -32,7 +32,7 @@ using Break = std::optional<Broken>;
 
 /// A word that another node repeats.
 struct Wire {
-  const Word *from, *to;
+  const RecordedSignal *from, *to;
   std::size_t latest;  ///< longest transfer [ticks]
   double bound;        ///< of the difference, RMS over that of the word [-]
   double least;        ///< standard deviation of a word that is judged
@@ -43,7 +43,7 @@ struct Wire {
 
 /// A feedback, the signal that it has to follow, and their scale.
 struct Feedback {
-  const Word* word;
+  const RecordedSignal* word;
   const std::vector<double>* expected;
   double scale;  ///< of its values
   double jump;   ///< largest deviation from the neighbours, over the scale [-]

@@ -20,7 +20,7 @@ using recording::Roles;
 
 constexpr std::size_t kSmoothing = 10;  // ticks to either side: less noise in the model's velocity
 
-Word word(const Reader& run, const NodeTicks& ticks, const std::string& name) {
+RecordedSignal word(const Reader& run, const NodeTicks& ticks, const std::string& name) {
   if (!run.has(name)) return {name, {}};
   return {name, ticks.values(name)};
 }
@@ -162,8 +162,8 @@ Fit fit(std::span<const double> reference, std::span<const double> response) {
   return result;
 }
 
-Fit fit_delayed(const Word& reference, const Word& response, const Window& window,
-                std::size_t latest) {
+Fit fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
+                const Window& window, std::size_t latest) {
   constexpr std::size_t kDelays = 20;
   const std::size_t stride = std::max<std::size_t>(1, latest / kDelays);
   const std::size_t length = window.end - window.begin;

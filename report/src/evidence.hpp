@@ -22,7 +22,7 @@ struct Window {
 };
 
 /// A recorded signal, one value per tick of the machine; empty if it is not recorded.
-struct Word {
+struct RecordedSignal {
   std::string name;
   std::vector<double> values;
   [[nodiscard]] bool is_recorded() const { return !values.empty(); }
@@ -30,16 +30,16 @@ struct Word {
 
 /// The signals of one tested axis, in SI.
 struct AxisEvidence {
-  std::size_t index = 0;                   ///< 0: long, 1: lat
-  sim::AxisLimits limits;                  ///< of the machine
-  double effective_mass = 0;               ///< of the platen [kg]
-  Word command, reference, echo;           ///< of the controller; as the machine received it
-  Word unlimited, limited;                 ///< the reference before and after its limits
-  Word displacement, acceleration, force;  ///< feedback of the machine
-  Word target, answer;                     ///< of the integrator; the force that it receives
-  Word specimen_force;                     ///< as measured, without the machine's own force
-  Word sent_force;                         ///< the force that the controller returns
-  std::vector<double> model_force;         ///< of the model under the measured motion; or empty
+  std::size_t index = 0;                    ///< 0: long, 1: lat
+  sim::AxisLimits limits;                   ///< of the machine
+  double effective_mass = 0;                ///< of the platen [kg]
+  RecordedSignal command, reference, echo;  ///< of the controller; as the machine received it
+  RecordedSignal unlimited, limited;        ///< the reference before and after its limits
+  RecordedSignal displacement, acceleration, force;  ///< feedback of the machine
+  RecordedSignal target, answer;    ///< of the integrator; the force that it receives
+  RecordedSignal specimen_force;    ///< as measured, without the machine's own force
+  RecordedSignal sent_force;        ///< the force that the controller returns
+  std::vector<double> model_force;  ///< of the model under the measured motion; or empty
   double largest_command = 0, largest_force = 0;  ///< within the limits of the machine
 };
 
@@ -52,7 +52,7 @@ struct Evidence {
   std::size_t rest = 0;      ///< ticks before the first target
   std::vector<Window> gaps;  ///< ticks without rows, interpolated
   std::vector<AxisEvidence> axes;
-  Word load, load_reference;  ///< of the specimen, vertical
+  RecordedSignal load, load_reference;  ///< of the specimen, vertical
 };
 
 /// @returns no axes if the recording has no controller or no machine
@@ -73,8 +73,8 @@ struct Fit {
 [[nodiscard]] Fit fit(std::span<const double> reference, std::span<const double> response);
 
 /// The fit with the smallest difference among delays of the response of up to `latest` ticks.
-[[nodiscard]] Fit fit_delayed(const Word& reference, const Word& response, const Window& window,
-                              std::size_t latest);
+[[nodiscard]] Fit fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
+                              const Window& window, std::size_t latest);
 
 [[nodiscard]] double largest_magnitude(std::span<const double> values);
 

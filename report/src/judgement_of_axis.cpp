@@ -62,8 +62,8 @@ double noise_in(std::span<const double> bends) {
 
 // Total time of the ticks at a limit.
 template <class IsAtLimit>
-Break at_limit(const Word& word, const Evidence& all, const Bounds& bounds, IsAtLimit is_at_limit,
-               const std::string& limit) {
+Break at_limit(const RecordedSignal& word, const Evidence& all, const Bounds& bounds,
+               IsAtLimit is_at_limit, const std::string& limit) {
   std::size_t ticks = 0, first = 0;
   for (std::size_t i = 0; i < word.values.size(); ++i) {
     if (!is_at_limit(word.values[i], i)) continue;
@@ -79,7 +79,7 @@ Break at_limit(const Word& word, const Evidence& all, const Bounds& bounds, IsAt
 }  // namespace
 
 Break limit_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds) {
-  const auto most = [&](const Word& word, double limit, double unit, const char* name) {
+  const auto most = [&](const RecordedSignal& word, double limit, double unit, const char* name) {
     return at_limit(
         word, all, bounds, [=](double value, std::size_t) { return std::abs(value) >= limit; },
         fmt::format("{:g} {} or more", limit * unit, name));

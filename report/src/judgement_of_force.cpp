@@ -76,7 +76,7 @@ Break motion_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
   const auto by_displacement = second_difference(axis.displacement.values, span);
   const auto by_acceleration = second_difference(
       integral(integral(axis.acceleration.values, all.interval), all.interval), span);
-  const Word referred{"", second_difference(axis.reference.values, span)};
+  const RecordedSignal referred{"", second_difference(axis.reference.values, span)};
   const auto servo_delay = static_cast<std::size_t>(kServoDelay / all.interval);
   // Below this acceleration, the inertia of the platen is small beside the force.
   const double judged = std::max(bounds.resolution, kJudgedInertia * axis.largest_force /

@@ -297,14 +297,14 @@ TEST_F(TwoHosts, AreHeardByTheDoctor) {
   test::Running doctor{{"/bin/sh", "-c",
                         fmt::format("exec {}{} doctor --domain 7 --interface eth0", network_.on(2),
                                     test::rths_command())}};
-  const auto heard = doctor.wait(20);
-  EXPECT_EQ(heard.exit_code, 0) << heard.err;
-  EXPECT_NE(heard.out.find("eth0         10.77.0.2        up, multicast, MTU "), std::string::npos)
-      << heard.out;
-  EXPECT_NE(heard.out.find("host 'host1': 1 nodes, map " +
+  const auto found = doctor.wait(20);
+  EXPECT_EQ(found.exit_code, 0) << found.err;
+  EXPECT_NE(found.out.find("eth0         10.77.0.2        up, multicast, MTU "), std::string::npos)
+      << found.out;
+  EXPECT_NE(found.out.find("host 'host1': 1 nodes, map " +
                            memmap::hash_text(first.ring().map().hash()) + ", clock known to 0."),
             std::string::npos)
-      << heard.out;
+      << found.out;
   kill(one.pid(), SIGTERM);
   EXPECT_EQ(one.wait(10).err, "") << "the doctor is no host";
 
@@ -313,7 +313,7 @@ TEST_F(TwoHosts, AreHeardByTheDoctor) {
                                    test::rths_command())}};
   const auto nothing = alone.wait(20);
   EXPECT_EQ(nothing.exit_code, 1) << nothing.err;
-  EXPECT_NE(nothing.out.find("no gateway was heard within 2 s"), std::string::npos) << nothing.out;
+  EXPECT_NE(nothing.out.find("no gateway answered within 2 s"), std::string::npos) << nothing.out;
   EXPECT_NE(nothing.out.find("UDP ports 9650 to 9899"), std::string::npos) << nothing.out;
 }
 

@@ -196,12 +196,12 @@ TEST(Tracking, StatesAnErrorWithoutACommandInMillimetres) {
 
 TEST(Jump, NeedsADepartureBeyondABoundOfZero) {
   const Evidence evidence = evidence_of(100);
-  const Word still{"srmd.long.force.fbk", std::vector<double>(100, 7.0)};
+  const RecordedSignal still{"srmd.long.force.fbk", std::vector<double>(100, 7.0)};
   const std::vector<double> command(100, 0.0);
 
   EXPECT_FALSE(jump_of({&still, &command, 1, 0}, evidence));
 
-  Word jumping = still;
+  RecordedSignal jumping = still;
   jumping.values[50] = 8;
   EXPECT_TRUE(jump_of({&jumping, &command, 1, 0}, evidence));
 }

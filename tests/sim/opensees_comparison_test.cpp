@@ -14,14 +14,14 @@ namespace rths::sim {
 namespace test_support {
 
 // Name of the row in a failure message.
-void PrintTo(const OpenseesRow& row, std::ostream* out) { *out << row.name; }
+void PrintTo(const OpenSeesRow& row, std::ostream* out) { *out << row.name; }
 
 }  // namespace test_support
 namespace {
 
-using test_support::OpenseesRow;
+using test_support::OpenSeesRow;
 
-std::vector<OpenseesRow> all_rows() {
+std::vector<OpenSeesRow> all_rows() {
   auto rows = test_support::elastomeric_rows();
   for (auto& row : test_support::sliding_rows()) rows.push_back(std::move(row));
   return rows;
@@ -35,10 +35,10 @@ void print_line(const std::string& name, const std::string& path, double time_st
 
 using Opensees = test::WithOpenSees<>;
 
-class OpenseesBearing : public Opensees, public testing::WithParamInterface<OpenseesRow> {};
+class OpenseesBearing : public Opensees, public testing::WithParamInterface<OpenSeesRow> {};
 
 TEST_P(OpenseesBearing, AgreesWithOurs) {
-  const OpenseesRow& row = GetParam();
+  const OpenSeesRow& row = GetParam();
   auto paths = test_support::all_paths(row.amplitude, row.time_step);
   if (row.swing > 0) paths.push_back(test_support::pulled(row.amplitude, row.time_step, row.swing));
   for (const auto& path : paths) {

@@ -11,7 +11,7 @@
 namespace rths::sim::test_support {
 
 /// One row of the comparison.
-struct OpenseesRow {
+struct OpenSeesRow {
   std::string name;  ///< letters and digits
   TwoBearings bearing;
   double amplitude = 0.2;   ///< of the paths [m]
@@ -32,7 +32,7 @@ void append(nlohmann::json& to, const nlohmann::json& more);
 /// The same bearing with heating as its only effect.
 [[nodiscard]] TwoBearings heated_bearing();
 
-[[nodiscard]] std::vector<OpenseesRow> elastomeric_rows();
-[[nodiscard]] std::vector<OpenseesRow> sliding_rows();
+[[nodiscard]] std::vector<OpenSeesRow> elastomeric_rows();
+[[nodiscard]] std::vector<OpenSeesRow> sliding_rows();
 
 }  // namespace rths::sim::test_support

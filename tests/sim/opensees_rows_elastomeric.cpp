@@ -74,9 +74,9 @@ std::vector<TermSettings> as_theirs(std::vector<TermSettings> terms) {
   return terms;
 }
 
-OpenseesRow rubber_row(const std::string& name, const LeadRubberEffects& effects,
+OpenSeesRow rubber_row(const std::string& name, const LeadRubberEffects& effects,
                        const LeadRubberDesign& d = compared_design()) {
-  OpenseesRow row;
+  OpenSeesRow row;
   row.name = name;
   row.bearing.element = rubber_element("LeadRubberX", d);
   append(row.bearing.element,
@@ -91,8 +91,8 @@ OpenseesRow rubber_row(const std::string& name, const LeadRubberEffects& effects
 
 constexpr LeadRubberEffects kNone{false, false, false, false, false};
 
-OpenseesRow frame_indifferent() {
-  OpenseesRow row = rubber_row("LeadRubberXAgainstBoucWen", kNone);
+OpenSeesRow frame_indifferent() {
+  OpenSeesRow row = rubber_row("LeadRubberXAgainstBoucWen", kNone);
   row.bearing.terms = terms_of(compared_design(), kNone);
   row.bound = 0.15;
   row.deviation = "ours is frame-indifferent, OpenSees uses the sign of each axis separately";
@@ -100,49 +100,49 @@ OpenseesRow frame_indifferent() {
 }
 
 // Heated by force times path, as in OpenSees.
-OpenseesRow heated(const std::string& name, const LeadRubberEffects& effects,
+OpenSeesRow heated(const std::string& name, const LeadRubberEffects& effects,
                    const LeadRubberDesign& d) {
-  OpenseesRow row = rubber_row(name, effects, d);
+  OpenSeesRow row = rubber_row(name, effects, d);
   for (auto& term : row.bearing.terms)
     if (term.kind == "lead_heating") term.parameters.emplace_back("elastic_share", 1.0);
   return row;
 }
 
 // With steel that absorbs no heat, both implement the same law.
-OpenseesRow heated_without_loss(const std::string& name, const LeadRubberEffects& effects) {
+OpenSeesRow heated_without_loss(const std::string& name, const LeadRubberEffects& effects) {
   LeadRubberDesign d = compared_design();
   d.steel_conductivity = 0;
   return heated(name, effects, d);
 }
 
-OpenseesRow heated_and_cooled(const std::string& name, const LeadRubberEffects& effects) {
-  OpenseesRow row = heated(name, effects, compared_design());
+OpenSeesRow heated_and_cooled(const std::string& name, const LeadRubberEffects& effects) {
+  OpenSeesRow row = heated(name, effects, compared_design());
   row.bound = 0.01;
   row.deviation =
       "ours stores the history of heat, OpenSees uses the time since the analysis began";
   return row;
 }
 
-OpenseesRow heated_by_work() {
-  OpenseesRow row = rubber_row("LeadRubberXHeatingByWork", {false, false, false, false, true});
+OpenSeesRow heated_by_work() {
+  OpenSeesRow row = rubber_row("LeadRubberXHeatingByWork", {false, false, false, false, true});
   row.bound = 0.03;
   row.deviation =
       "ours is heated by its work, OpenSees by force times path: OpenseesHeating separates them";
   return row;
 }
 
-OpenseesRow beyond_buckling() {
-  OpenseesRow row = rubber_row("LeadRubberXBeyondBuckling", {true, true, true, true, false});
+OpenSeesRow beyond_buckling() {
+  OpenSeesRow row = rubber_row("LeadRubberXBeyondBuckling", {true, true, true, true, false});
   row.swing = 3.2;
   row.bound = 0.5;
   row.deviation = "OpenSees keeps the lowest critical load so far, ours uses the present one";
   return row;
 }
 
-OpenseesRow elastomeric_x() {
+OpenSeesRow elastomeric_x() {
   LeadRubberDesign d = compared_design();
   d.lead_diameter = 0;  // with a hole OpenSees uses another shape factor
-  OpenseesRow row = rubber_row("ElastomericX", kNone);
+  OpenSeesRow row = rubber_row("ElastomericX", kNone);
   row.bearing.element = rubber_element("ElastomericX", d);
   append(row.bearing.element, {0, 0, 0, 0});
   row.bearing.vertical_stiffness = vertical_stiffness(d);
@@ -152,9 +152,9 @@ OpenseesRow elastomeric_x() {
 
 // Materials of the directions outside the comparison: stiff in compression without tension, and an
 // arbitrary stiffness for rotations.
-OpenseesRow bouc_wen_element() {
+OpenSeesRow bouc_wen_element() {
   const LeadRubberDesign d = compared_design();
-  OpenseesRow row;
+  OpenSeesRow row;
   row.name = "elastomericBearingBoucWen";
   row.bearing.element = {row.name,
                          initial_stiffness(d),
@@ -185,7 +185,7 @@ TwoBearings heated_bearing() {
   return rubber_row("LeadRubberXHeating", {false, false, false, false, true}).bearing;
 }
 
-std::vector<OpenseesRow> elastomeric_rows() {
+std::vector<OpenSeesRow> elastomeric_rows() {
   return {bouc_wen_element(),
           elastomeric_x(),
           rubber_row("LeadRubberX", kNone),

@@ -15,8 +15,8 @@ constexpr double kFast = 0.11, kSlow = 0.06;  // friction coefficients [-]
 constexpr double kRate = 30;                  // of the transition between them [s/m]
 
 // The element is on a vertical spring without tension; iterations end at 1 mN.
-OpenseesRow slider(const std::string& name, json element, const json& friction) {
-  OpenseesRow row;
+OpenSeesRow slider(const std::string& name, json element, const json& friction) {
+  OpenSeesRow row;
   row.name = name;
   row.bearing.element = std::move(element);
   append(row.bearing.element,
@@ -50,21 +50,21 @@ TermSettings velocity_dependent() {
       "velocity_dep_sliding", "", {{"low_velocity_reduction", 1 - kSlow / kFast}, {"rate", kRate}}};
 }
 
-OpenseesRow flat_coulomb() {
+OpenSeesRow flat_coulomb() {
   auto row =
       slider("flatSliderBearing", {"flatSliderBearing", 1, kInitialStiffness, "-P", 1}, kCoulomb);
   row.bearing.terms = {flat()};
   return row;
 }
 
-OpenseesRow flat_velocity_dependent() {
+OpenSeesRow flat_velocity_dependent() {
   auto row = slider("flatSliderBearingVelDependent",
                     {"flatSliderBearing", 1, kInitialStiffness, "-P", 1}, kVelocityDependent);
   row.bearing.terms = {flat(), velocity_dependent()};
   return row;
 }
 
-OpenseesRow single_pendulum(const std::string& name, double amplitude) {
+OpenSeesRow single_pendulum(const std::string& name, double amplitude) {
   constexpr double kRadius = 2.2;  // [m]
   auto row =
       slider(name, {"singleFPBearing", 1, kRadius, kInitialStiffness, "-P", 1}, kVelocityDependent);
@@ -75,14 +75,14 @@ OpenseesRow single_pendulum(const std::string& name, double amplitude) {
   return row;
 }
 
-OpenseesRow steep_pendulum() {
-  OpenseesRow row = single_pendulum("singleFPBearingFarOut", 0.2);
+OpenSeesRow steep_pendulum() {
+  OpenSeesRow row = single_pendulum("singleFPBearingFarOut", 0.2);
   row.bound = 0.012;
   row.deviation = "ours assumes small slopes; OpenSees adds F.u/R to the load, 1 % at u/R = 0.1";
   return row;
 }
 
-OpenseesRow eradiquake() {
+OpenSeesRow eradiquake() {
   constexpr double kSpring = 1.2e7;  // [N/m]
   auto row = slider("RJWatsonEqsBearing",
                     {"RJWatsonEqsBearing", 1, kInitialStiffness, "-P", 1, "-Vy", 3, "-Vz", 3},
@@ -95,13 +95,13 @@ OpenseesRow eradiquake() {
 // The element does not converge with velocity-dependent friction. Before sliding, OpenSees gives
 // each of the three sliders the stiffness 3 mu_1/u_y, ours mu_i/u_y; the total stiffness is the
 // same.
-OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
+OpenSeesRow triple_pendulum(const std::string& name, double amplitude) {
   constexpr double kYield = 3e-4;                       // in OpenSees [m]
   constexpr double kLengths[] = {0.4, 2, 2};            // [m]
   constexpr double kCapacities[] = {0.05, 0.25, 0.25};  // [m]
   constexpr double kFrictions[] = {0.02, 0.06, 0.1};    // [-]
   constexpr double kTension = 1e8, kLeastLoad = 1e3, kTolerance = 1e-5;
-  OpenseesRow row;
+  OpenSeesRow row;
   row.name = name;
   row.amplitude = amplitude;
   row.bearing.axial_load = kSliderLoad;
@@ -128,7 +128,7 @@ OpenseesRow triple_pendulum(const std::string& name, double amplitude) {
 }
 
 // Friction that depends on the surface's temperature only.
-OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
+OpenSeesRow heated_pendulum(const std::string& name, double initial_stiffness) {
   constexpr double kRadius = 2.2, kContactRadius = 0.3, kPressure = 5e7;
   constexpr double kDiffusivity = 4.44e-6, kConductivity = 18;
   auto row = slider(name,
@@ -174,15 +174,15 @@ OpenseesRow heated_pendulum(const std::string& name, double initial_stiffness) {
 }
 
 // Ten times its yield displacement per step.
-OpenseesRow stiff_heated_pendulum() {
-  OpenseesRow row = heated_pendulum("FPBearingPTV", 1e10);
+OpenSeesRow stiff_heated_pendulum() {
+  OpenSeesRow row = heated_pendulum("FPBearingPTV", 1e10);
   row.bound = 0.012;
   row.deviation = "OpenSees takes the whole step at once; half the difference at half the step";
   return row;
 }
 
-OpenseesRow soft_heated_pendulum() {
-  OpenseesRow row = heated_pendulum("FPBearingPTVSoft", kInitialStiffness);
+OpenSeesRow soft_heated_pendulum() {
+  OpenSeesRow row = heated_pendulum("FPBearingPTVSoft", kInitialStiffness);
   row.bound = 0.06;
   row.deviation = "ours is heated by its work, OpenSees by mu p |v| even while it sticks";
   return row;
@@ -190,7 +190,7 @@ OpenseesRow soft_heated_pendulum() {
 
 }  // namespace
 
-std::vector<OpenseesRow> sliding_rows() {
+std::vector<OpenSeesRow> sliding_rows() {
   return {flat_coulomb(),
           flat_velocity_dependent(),
           single_pendulum("singleFPBearing", 0.1),

@@ -26,13 +26,13 @@ struct Conversion {
 struct Exchange {
   Type type = Type::Float64;
   std::vector<std::uint32_t> references;
-  std::vector<std::size_t> places;  ///< in the adapter's inputs or outputs
+  std::vector<std::size_t> indices;  ///< in the adapter's inputs or outputs
   std::vector<Conversion> conversions;
   std::vector<std::uint64_t> memory;  ///< a word for each value, of whatever type
 
-  void add(std::uint32_t reference, std::size_t place, Conversion conversion) {
+  void add(std::uint32_t reference, std::size_t index, Conversion conversion) {
     references.push_back(reference);
-    places.push_back(place);
+    indices.push_back(index);
     conversions.push_back(conversion);
     memory.push_back(0);
   }
@@ -70,7 +70,7 @@ bool take(Exchange& exchange, std::span<const double> numbers, bool is_truth) RT
   T* values = exchange.values<T>();
   for (std::size_t i = 0; i < exchange.size(); ++i) {
     const auto [scale, offset] = exchange.conversions[i];
-    const double number = (numbers[exchange.places[i]] - offset) / scale;
+    const double number = (numbers[exchange.indices[i]] - offset) / scale;
     if (is_truth)
       values[i] = static_cast<T>(number != 0);
     else
@@ -87,7 +87,7 @@ void give(Exchange& exchange, double* numbers, bool is_truth) RTHS_REALTIME {
     const auto [scale, offset] = exchange.conversions[i];
     const auto number =
         is_truth ? static_cast<double>(values[i] != T{}) : static_cast<double>(values[i]);
-    numbers[exchange.places[i]] = number * scale + offset;
+    numbers[exchange.indices[i]] = number * scale + offset;
   }
 }
 

@@ -109,11 +109,12 @@ void Calls2::load(void* library, const std::string& file) {
   look_up(library, file, "fmi2SetBoolean", set_boolean_);
 }
 
-bool Calls2::instantiate(const ModelDescription& description, const Place& place, FmuLog& log) {
+bool Calls2::instantiate(const ModelDescription& description, const InstanceSettings& settings,
+                         FmuLog& log) {
   callbacks_ = {log2, std::calloc, std::free, nullptr, &log};
-  self_ = instantiate_(place.instance.c_str(), fmi2CoSimulation, description.token.c_str(),
-                       uri_of(place.resources).c_str(), &callbacks_, fmi2False,
-                       place.logs ? fmi2True : fmi2False);
+  self_ = instantiate_(settings.instance.c_str(), fmi2CoSimulation, description.token.c_str(),
+                       uri_of(settings.resources).c_str(), &callbacks_, fmi2False,
+                       settings.logs ? fmi2True : fmi2False);
   return self_ != nullptr;
 }
 
@@ -175,10 +176,11 @@ void Calls3::load(void* library, const std::string& file) {
   }
 }
 
-bool Calls3::instantiate(const ModelDescription& description, const Place& place, FmuLog& log) {
-  const std::string resources = place.resources.string() + "/";
-  self_ = instantiate_(place.instance.c_str(), description.token.c_str(), resources.c_str(), false,
-                       place.logs, false, false, nullptr, 0, &log, log3, nullptr);
+bool Calls3::instantiate(const ModelDescription& description, const InstanceSettings& settings,
+                         FmuLog& log) {
+  const std::string resources = settings.resources.string() + "/";
+  self_ = instantiate_(settings.instance.c_str(), description.token.c_str(), resources.c_str(),
+                       false, settings.logs, false, false, nullptr, 0, &log, log3, nullptr);
   return self_ != nullptr;
 }
 

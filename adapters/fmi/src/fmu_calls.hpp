@@ -25,8 +25,8 @@ struct StepEnd {
   const char* fault = nullptr;  ///< against the agreement of `instantiate`
 };
 
-/// Where an instance is made.
-struct Place {
+/// Of an instance.
+struct InstanceSettings {
   std::string instance;             ///< its name
   std::filesystem::path resources;  ///< absolute
   bool logs = false;                ///< debug messages
@@ -36,8 +36,8 @@ struct Place {
 class Calls2 {
  public:
   void load(void* library, const std::string& file);
-  [[nodiscard]] bool instantiate(const ModelDescription& description, const Place& place,
-                                 FmuLog& log);
+  [[nodiscard]] bool instantiate(const ModelDescription& description,
+                                 const InstanceSettings& settings, FmuLog& log);
   [[nodiscard]] int enter_initialization() const;
   [[nodiscard]] int exit_initialization() const { return exit_(self_); }
   [[nodiscard]] int set(Exchange& exchange, std::span<const double> in, bool& fits) const noexcept;
@@ -70,8 +70,8 @@ class Calls2 {
 class Calls3 {
  public:
   void load(void* library, const std::string& file);
-  [[nodiscard]] bool instantiate(const ModelDescription& description, const Place& place,
-                                 FmuLog& log);
+  [[nodiscard]] bool instantiate(const ModelDescription& description,
+                                 const InstanceSettings& settings, FmuLog& log);
   [[nodiscard]] int enter_initialization() const { return enter_(self_, false, 0, 0, false, 0); }
   [[nodiscard]] int exit_initialization() const { return exit_(self_); }
   [[nodiscard]] int set(Exchange& exchange, std::span<const double> in, bool& fits) const noexcept;

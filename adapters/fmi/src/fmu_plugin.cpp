@@ -46,12 +46,12 @@ class SingleInstances {
 /// Exchanges of one direction, one for each type.
 class Exchanges {
  public:
-  void add(const Variable& variable, std::size_t place, Conversion conversion) {
+  void add(const Variable& variable, std::size_t index, Conversion conversion) {
     for (auto& exchange : all_)
       if (exchange.type == variable.type)
-        return exchange.add(variable.reference, place, conversion);
+        return exchange.add(variable.reference, index, conversion);
     all_.emplace_back().type = variable.type;
-    all_.back().add(variable.reference, place, conversion);
+    all_.back().add(variable.reference, index, conversion);
   }
   [[nodiscard]] auto begin() noexcept { return all_.begin(); }
   [[nodiscard]] auto end() noexcept { return all_.end(); }
@@ -84,7 +84,7 @@ class FmuPlugin final : public PluginBase {
   [[nodiscard]] rths_status conclude(const StepEnd& end) noexcept;
 
   ModelDescription description_;
-  Place place_;
+  InstanceSettings instance_;
   bool is_solver_ = false;
   double step_ = 0;  ///< [s]
   Bindings bindings_;
@@ -94,7 +94,7 @@ class FmuPlugin final : public PluginBase {
   std::vector<double> start_values_;
   std::size_t input_count_ = 0;
   std::vector<double> tuned_;  ///< inputs at the last change of a tunable parameter
-  std::vector<std::size_t> tunable_places_;
+  std::vector<std::size_t> tunable_;
   State state_ = State::None;
   std::uint64_t steps_ = 0;
   std::array<char, 360> message_{};
@@ -104,7 +104,7 @@ FmuPlugin::FmuPlugin(const char* text) {
   const Config config = Config::parse(text, "config");
   const std::filesystem::path folder = config.text("folder");
   description_ = read_description(folder);
-  place_ = {config.text("instance"), folder / "resources", config.flag("log", false)};
+  instance_ = {config.text("instance"), folder / "resources", config.flag("log", false)};
   is_solver_ = config.text("role", "") == "solver";
   step_ = config.number("step_s");
   bindings_ = read_bindings(description_, config, true);
@@ -119,7 +119,7 @@ void FmuPlugin::bind_signals() {
     if (binding.direction == RTHS_INPUT) {
       inputs_.add(variable, input_count_++, binding.conversion);
     } else if (binding.direction == RTHS_PARAMETER) {
-      tunable_places_.push_back(input_count_);
+      tunable_.push_back(input_count_);
       tunables_.add(variable, input_count_++, binding.conversion);
     } else {
       outputs_.add(variable, outputs++, binding.conversion);
@@ -175,9 +175,9 @@ void FmuPlugin::activate() {
         "can be instantiated only once per process (canBeInstantiatedOnlyOncePerProcess): "
         "set own_process = true"};
   log_.forget_error();
-  log_.rename(place_.instance);
+  log_.rename(instance_.instance);
   const bool is_made = std::visit(
-      [&](auto& calls) { return calls.instantiate(description_, place_, log_); }, calls_);
+      [&](auto& calls) { return calls.instantiate(description_, instance_, log_); }, calls_);
   if (!is_made) {
     if (description_.is_once_only) SingleInstances::leave(description_.token);
     throw Error{
@@ -238,9 +238,9 @@ int FmuPlugin::set_inputs(std::span<const double> in, bool& fits) noexcept {
     fits = fits && all;
   };
   bool is_tuned = false;
-  for (const std::size_t place : tunable_places_) {
-    is_tuned = is_tuned || in[place] != tuned_[place];
-    tuned_[place] = in[place];
+  for (const std::size_t index : tunable_) {
+    is_tuned = is_tuned || in[index] != tuned_[index];
+    tuned_[index] = in[index];
   }
   if (is_tuned)
     for (auto& exchange : tunables_) set(exchange);

@@ -32,8 +32,7 @@ class OpenSeesProcess {
   /// Time since the last restart.
   [[nodiscard]] Duration silence() const { return WallClock{}.now() - restarted_; }
   /// @throws Error if OpenSees has failed, or exited a second ago; until then, its last messages
-  /// may
-  ///         still arrive
+  ///         may still arrive
   void require_running();
   /// Whether OpenSees has exited, or `longest` [s] have passed since the last restart.
   [[nodiscard]] bool has_finished(double longest);

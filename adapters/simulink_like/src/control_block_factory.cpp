@@ -56,7 +56,7 @@ std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext&
   if (values.size() <= 3) return std::vector(context.axes(), three(table, "initial", otherwise));
   std::vector<Eigen::Vector3d> starts;
   for (const auto& axis : context.run.axes) {
-    const std::size_t at = 3 * place_of(axis);
+    const std::size_t at = 3 * index_of_axis(axis);
     if (values.size() % 3 != 0 || at >= values.size())
       table.fail("initial", fmt::format("initial has {} numbers, expected three, or three for each "
                                         "axis to '{}'",

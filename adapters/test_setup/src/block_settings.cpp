@@ -52,7 +52,7 @@ std::vector<controller::InverseCoefficients> read_coefficients(
 
 }  // namespace
 
-std::size_t place_of(const std::string& axis) {
+std::size_t index_of_axis(const std::string& axis) {
   return static_cast<std::size_t>(std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) -
                                   std::begin(kAxisOrder));
 }
@@ -65,7 +65,7 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
     table.fail(key, fmt::format("{} has {} numbers, expected one per axis, long first", key,
                                 given.size()));
   for (const auto& axis : axes) {
-    const std::size_t order = place_of(axis);
+    const std::size_t order = index_of_axis(axis);
     if (given.empty())
       values.push_back(otherwise);
     else if (order < given.size())

@@ -51,7 +51,7 @@ void write_motion(const fs::path& file, const Shaking& shaking) {
 }
 
 // Runs one case. @returns the last line of the script's output
-json result_of(const OpenseesInstallation& opensees, json test_case, int copies,
+json result_of(const OpenSeesInstallation& opensees, json test_case, int copies,
                const fs::path& folder) {
   test_case["copies"] = copies;
   const fs::path file = folder / "case.json";
@@ -70,9 +70,9 @@ double step_of(const json& result) {
 
 }  // namespace
 
-OpenseesTimes opensees_times(const OpenseesInstallation& opensees, const std::string& description,
+OpenSeesTimes opensees_times(const OpenSeesInstallation& opensees, const std::string& description,
                              const Shaking& shaking, double time_step) {
-  OpenseesTimes times;
+  OpenSeesTimes times;
   json test_case = json::parse(description);
   times.element = test_case["element"][0];
   if (opensees.python.empty()) {

@@ -24,7 +24,7 @@ Json document(const StepTimes& times) {
           {"worst_code_ns", times.worst_code}};
 }
 
-Json document(const OpenseesTimes& times) {
+Json document(const OpenSeesTimes& times) {
   Json out = {{"element", times.element}};
   if (!times.missing.empty()) {
     out["not_measured"] = times.missing;
@@ -55,7 +55,7 @@ std::string line(const std::string& name, const char* motion, const StepTimes& t
 }
 
 std::string opensees_line(const BearingResult& result) {
-  const OpenseesTimes& theirs = result.opensees;
+  const OpenSeesTimes& theirs = result.opensees;
   const std::string start = fmt::format("{:<8}{:<24}", result.name, theirs.element);
   if (!theirs.missing.empty()) return fmt::format("{}not measured: {}\n", start, theirs.missing);
   return fmt::format("{}{:>12.0f}{:>12.0f}{:>12.0f}{:>12.1f}\n", start, theirs.alone,

@@ -137,7 +137,7 @@ std::vector<double> timed(int round_trips, const Trip& trip) {
   return nanoseconds;
 }
 
-TripResult trips_over(Transport transport, const OpenseesBenchOptions& options, const Cpus& cpus) {
+TripResult trips_over(Transport transport, const OpenSeesBenchOptions& options, const Cpus& cpus) {
   const PingPong bare{transport, sizeof(Message), cpus.far};
   const std::uint16_t port = free_port();
   const Run run{transport, port, options.programs};
@@ -177,8 +177,8 @@ TripResult trips_over(Transport transport, const OpenseesBenchOptions& options, 
 
 }  // namespace
 
-OpenseesBenchReport run_opensees_bench(const OpenseesBenchOptions& options) {
-  OpenseesBenchReport report;
+OpenSeesBenchReport run_opensees_bench(const OpenSeesBenchOptions& options) {
+  OpenSeesBenchReport report;
   report.machine = describe_machine();
   report.cycles = options.cycles;
   report.round_trips = options.round_trips;

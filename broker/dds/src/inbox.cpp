@@ -107,7 +107,7 @@ void Inbox::receive_hello(const Frame& frame) {
 }
 
 void Inbox::compare_clocks(Host& host, const Hello& hello, TimePoint sent) {
-  host.heard = now_;
+  host.arrival = now_;
   host.announced = sent;
   for (const auto& echo : hello.echoes)
     if (echo.host == shared_.host) host.clock.add(echo.sent, echo.received, sent, now_);
@@ -134,11 +134,11 @@ void Inbox::publish_status(TimePoint now) {
   GatewayStatus status;
   std::vector<Echo> echoes;
   for (const auto& [id, host] : hosts_) {
-    if (now - host.heard > kSilence) continue;
-    RemoteHost remote{host.name, now - host.heard, {}, host.real_time_ahead};
+    if (now - host.arrival > kSilence) continue;
+    RemoteHost remote{host.name, now - host.arrival, {}, host.real_time_ahead};
     if (const auto clock = host.clock.at(now)) remote.clock = {clock->offset, clock->error};
     status.hosts.push_back(std::move(remote));
-    echoes.push_back({id, host.announced, host.heard});
+    echoes.push_back({id, host.announced, host.arrival});
   }
   if (visitor_.host != 0 && now - visitor_.received < kSilence) echoes.push_back(visitor_);
   for (const auto& [id, stream] : streams_) {
@@ -238,7 +238,7 @@ bool Inbox::belongs_to(Stream& stream, const memmap::MapNode& node, HostId host,
                        const std::string& name) {
   if (stream.host == host) return true;
   const auto owner = hosts_.find(stream.host);
-  const bool is_silent = owner == hosts_.end() || now_ - owner->second.heard > kSilence;
+  const bool is_silent = owner == hosts_.end() || now_ - owner->second.arrival > kSilence;
   const bool is_restart = owner != hosts_.end() && owner->second.name == name;
   if (!is_silent && !is_restart) {
     refuse(host, node.id.value(),
@@ -424,7 +424,7 @@ void Inbox::ask(std::uint16_t node, Stream& stream, std::uint64_t end) {
 // The nodes of a host that is gone may join elsewhere.
 void Inbox::forget_lost_hosts() {
   for (auto host = hosts_.begin(); host != hosts_.end();) {
-    if (now_ - host->second.heard < kLost) {
+    if (now_ - host->second.arrival < kLost) {
       ++host;
       continue;
     }

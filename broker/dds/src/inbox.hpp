@@ -61,7 +61,7 @@ class Inbox {
   };
   struct Host {
     std::string name;
-    TimePoint heard{0};      ///< arrival of its last announcement
+    TimePoint arrival{0};    ///< arrival of its last announcement
     TimePoint announced{0};  ///< when that was sent, on its clock
     Duration real_time_ahead{0};
     ClockOffset clock;

@@ -23,8 +23,8 @@ constexpr const char* kAnyRing = "*";
 constexpr HostId kVisitor = 1;  // ids of gateways are random and large
 constexpr std::size_t kMostGateways = 64;
 
-/// The gateways that were heard. A thread of the carrier adds them.
-class Heard {
+/// The gateways found so far. A thread of the carrier adds them.
+class FoundGateways {
  public:
   void add(std::span<const std::byte> bytes) {
     FrameDefect defect{};
@@ -37,33 +37,33 @@ class Heard {
     if (gateways_.size() == kMostGateways && gateways_.count(frame->header.host) == 0) return;
     Gateway& gateway = gateways_[frame->header.host];
     gateway.sent = sent;
-    gateway.heard.host.name = hello->host;
-    gateway.heard.map_hash = frame->header.map_hash;
-    gateway.heard.nodes = hello->nodes.size();
+    gateway.found.host.name = hello->host;
+    gateway.found.map_hash = frame->header.map_hash;
+    gateway.found.nodes = hello->nodes.size();
     gateway.received = now;
     gateway.real_time = hello->real_time;
     for (const auto& echo : hello->echoes)
       if (echo.host == kVisitor) gateway.clock.add(echo.sent, echo.received, sent, now);
   }
-  [[nodiscard]] std::vector<HeardGateway> all() {
+  [[nodiscard]] std::vector<FoundGateway> all() {
     const std::lock_guard lock{mutex_};
     const TimePoint now = WallClock{}.now();
-    std::vector<HeardGateway> result;
+    std::vector<FoundGateway> result;
     for (auto& [id, gateway] : gateways_) {
-      RemoteHost& host = gateway.heard.host;
+      RemoteHost& host = gateway.found.host;
       host.silence = now - gateway.received;
       if (const auto clock = gateway.clock.at(now)) {
         host.clock = {clock->offset, clock->error};
         host.real_time_ahead = gateway.real_time + clock->offset - real_time_offset();
       }
-      result.push_back(gateway.heard);
+      result.push_back(gateway.found);
     }
     return result;
   }
 
  private:
   struct Gateway {
-    HeardGateway heard;
+    FoundGateway found;
     TimePoint sent{0}, received{0};
     Duration real_time{0};
     ClockOffset clock;
@@ -107,11 +107,11 @@ std::vector<Interface> interfaces() {
   return result;
 }
 
-std::vector<HeardGateway> listen_for_gateways(CycloneOptions network, Duration listening) {
+std::vector<FoundGateway> listen_for_gateways(CycloneOptions network, Duration listening) {
   network.ring = kAnyRing;
   const auto carrier = make_cyclone_carrier(network);
-  Heard heard;
-  carrier->listen([&](std::span<const std::byte> bytes) { heard.add(bytes); });
+  FoundGateways found;
+  carrier->listen([&](std::span<const std::byte> bytes) { found.add(bytes); });
   const WallClock clock;
   const TimePoint end = clock.now() + listening;
   while (clock.now() < end) {
@@ -119,7 +119,7 @@ std::vector<HeardGateway> listen_for_gateways(CycloneOptions network, Duration l
     std::this_thread::sleep_for(kPeriod);
   }
   carrier->listen({});
-  return heard.all();
+  return found.all();
 }
 
 }  // namespace rths::dds

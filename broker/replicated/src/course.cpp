@@ -44,12 +44,12 @@ void act(Ring& ring, const Action& action) {
   Card card = ring.card(action.node);
   switch (action.kind) {
     case Action::Kind::Write:
-      static_cast<void>(card.write(to_byte_offset(LongwordOffset{action.place}), action.value));
+      static_cast<void>(card.write(to_byte_offset(LongwordOffset{action.index}), action.value));
       return;
     case Action::Kind::Csr:
-      return card.write_csr(static_cast<int>(action.place), action.value);
+      return card.write_csr(static_cast<int>(action.index), action.value);
     case Action::Kind::Interrupt:
-      static_cast<void>(card.send_interrupt(1, action.place, action.value));
+      static_cast<void>(card.send_interrupt(1, action.index, action.value));
       return;
     case Action::Kind::PowerOff:
     case Action::Kind::PowerOn:
@@ -68,11 +68,11 @@ void act(Ring& ring, const Action& action) {
 
 void Course::store(const Traffic& traffic, Host& host) {
   if (!host.held_off)
-    host.place = traffic.longword +
+    host.index = traffic.longword +
                  (traffic.random ? static_cast<std::uint32_t>(host.random()) : host.stored) %
                      traffic.longwords;
   const Access access =
-      ring_.card(traffic.node).write(to_byte_offset(LongwordOffset{host.place}), host.stored + 1);
+      ring_.card(traffic.node).write(to_byte_offset(LongwordOffset{host.index}), host.stored + 1);
   if (access == Access::HeldOff) {
     stalls_ += host.held_off ? 0 : 1;
     host.held_off = true;

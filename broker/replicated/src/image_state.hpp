@@ -57,9 +57,9 @@ struct Images::State {
     std::optional<broker::Follower> host;  ///< writes of the node
     // g++ needs these initializers.
     std::vector<std::optional<broker::Node>> others = {};  // NOLINT: on this image, by position
-    std::vector<char> heard = {};    // NOLINT: by position, since the last beat
-    std::deque<Store> waiting = {};  // NOLINT: for space in the transmit FIFO
-    Trapped trapped = {};            // NOLINT
+    std::vector<char> received = {};  // NOLINT: by position, since the last beat
+    std::deque<Store> waiting = {};   // NOLINT: for space in the transmit FIFO
+    Trapped trapped = {};             // NOLINT
     std::unique_ptr<broker::Watch> watch =
         nullptr;           ///< finds stores through pointers; of named images
     bool plain = false;    ///< its node stores through a pointer

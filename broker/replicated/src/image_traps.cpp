@@ -40,7 +40,7 @@ void Images::State::take_trapped(std::uint32_t at) {
       break;
     }
     const std::uint32_t form = entry.form.load();
-    const Store store{entry.place.load(), entry.value.load(), form & 0xFF,
+    const Store store{entry.address.load(), entry.value.load(), form & 0xFF,
                       (form & scramnet::kTrapInMemory) != 0};
     const bool valid = store.bytes == 1 || store.bytes == 2 || store.bytes == 4;
     if (valid && store.offset % store.bytes == 0 && store.longword() < words.size() &&

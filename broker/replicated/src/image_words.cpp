@@ -99,7 +99,7 @@ void Images::State::arrive(std::uint32_t at, std::uint32_t origin, std::uint32_t
   }
   broker::Node* const node = stand_in(at, origin);
   if (node == nullptr) return;
-  image.heard[origin] = 1;
+  image.received[origin] = 1;
   if (words[longword].group == kNone) {
     static_cast<void>(node->write(LongwordOffset{longword}, value));
     return;

@@ -102,7 +102,7 @@ void Images::State::add(const std::string& node, broker::Ring ring) {
   if (!node.empty()) host.emplace(ring.follow(node));
   images.push_back({node, std::move(ring), std::move(observer), std::move(host)});
   images.back().others.resize(cards.nodes());
-  images.back().heard.resize(cards.nodes());
+  images.back().received.resize(cards.nodes());
 }
 
 std::uint32_t Images::State::position(const std::string& node) const {
@@ -192,8 +192,8 @@ void Images::State::run_faults(Time now) {
 
 void Images::State::beat(std::uint32_t at) {
   Image& image = images[at];
-  for (std::uint32_t other = 0; other < image.heard.size(); ++other)
-    if (std::exchange(image.heard[other], 0) != 0 && image.others[other])
+  for (std::uint32_t other = 0; other < image.received.size(); ++other)
+    if (std::exchange(image.received[other], 0) != 0 && image.others[other])
       image.others[other]->beat();
 }
 

@@ -110,7 +110,7 @@ class Reader {
 
   void add_csr(std::uint32_t node, std::uint32_t index, std::uint32_t value) {
     scenario_.actions.push_back(
-        {.kind = Action::Kind::Csr, .node = node, .place = index, .value = value});
+        {.kind = Action::Kind::Csr, .node = node, .index = index, .value = value});
   }
 
   [[nodiscard]] std::uint32_t node_of(const Config& table) const {
@@ -125,12 +125,12 @@ class Reader {
     action.value = whole(table, "value", 0xFFFF'FFFF);
     if (table.has("csr") && is_plus()) {
       action.kind = Action::Kind::Csr;
-      action.place = whole(table, "csr", 15);
+      action.index = whole(table, "csr", 15);
     } else if (table.has("interrupt") && !is_plus()) {
       action.kind = Action::Kind::Interrupt;
-      action.place = whole(table, "interrupt", 31);
+      action.index = whole(table, "interrupt", 31);
     } else {
-      action.place = longword_of(table, action.node);
+      action.index = longword_of(table, action.node);
     }
     table.reject_unknown_keys();
     scenario_.actions.push_back(action);

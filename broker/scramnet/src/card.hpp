@@ -72,8 +72,8 @@ inline constexpr std::uint32_t kLongestTrap = 17;  ///< entries of a store of 64
 /// trap_queue.hpp.
 struct TrapEntry {
   Word stamp;
-  Word place;  ///< address on the ring [B]
-  Word form;   ///< width [B], and kTrapInMemory if the memory has the value; 0: no store
+  Word address;  ///< address on the ring [B]
+  Word form;     ///< width [B], and kTrapInMemory if the memory has the value; 0: no store
   Word value;
 };
 inline constexpr std::uint32_t kTrapInMemory = 0x100;

@@ -30,9 +30,9 @@ namespace rths::scramnet {
   return first;
 }
 
-/// @param place  address on the ring [B]
-inline void announce(TrapQueue& queue, std::uint32_t n, std::uint32_t place) {
-  entry_of(queue, n).place.store(place);
+/// @param address  address on the ring [B]
+inline void announce(TrapQueue& queue, std::uint32_t n, std::uint32_t address) {
+  entry_of(queue, n).address.store(address);
   entry_of(queue, n).stamp.store(announced(n));
 }
 
@@ -51,7 +51,7 @@ inline void publish(TrapQueue& queue, std::uint32_t n, std::uint32_t form, std::
     const TrapEntry& entry = entry_of(queue, n);
     const std::uint32_t stamp = entry.stamp.load();
     if (stamp != announced(n) && stamp != published(n)) return true;  // reserved a moment ago
-    if (entry.place.load() / 4 == longword) return true;
+    if (entry.address.load() / 4 == longword) return true;
   }
   return false;
 }

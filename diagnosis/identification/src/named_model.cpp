@@ -16,17 +16,17 @@ bool Selection::has_only_rules() const {
   return std::all_of(rounds.begin(), rounds.end(), is_rule);
 }
 
-bool is_needed(const Selection& selection, std::size_t place) {
-  const Candidate& candidate = selection.rounds[place].chosen.candidate;
+bool is_needed(const Selection& selection, std::size_t index) {
+  const Candidate& candidate = selection.rounds[index].chosen.candidate;
   return std::any_of(
       selection.rounds.begin(), selection.rounds.end(),
       [&](const SelectionRound& round) { return depends_on(round.chosen.candidate, candidate); });
 }
 
 Hypothesis without(const Problem& problem, const Folds& folds, const Selection& selection,
-                   std::size_t place) {
+                   std::size_t index) {
   const auto& rounds = selection.rounds;
-  const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+  const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[index]; };
   return fitted(problem, with_rounds(selection.base, rounds, is_other, selection.named), folds.both,
                 kLongFit);
 }

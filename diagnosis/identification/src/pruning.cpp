@@ -30,12 +30,12 @@ constexpr double kLeastShift = 0.1;  // of the time between samples
 
 constexpr double kTakenOver = 0.5;  // of a candidate's energy, by a form
 
-Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, std::size_t place,
+Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, std::size_t index,
                    const std::string& reason) {
   auto& rounds = selection.rounds;
-  Withdrawn one{rounds[place].chosen.candidate, reason};
-  selection.named = without(problem, folds, selection, place);
-  rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(place));
+  Withdrawn one{rounds[index].chosen.candidate, reason};
+  selection.named = without(problem, folds, selection, index);
+  rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(index));
   finish(problem, folds, selection);
   return one;
 }

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kTriedShare = 0.02;    // of the best screened gain
 constexpr double kSameGain = 1e-4;      // relative difference of the gains of equal laws
-constexpr double kKeptShare = 0.35;     // of the gain of the best trial fit
+constexpr double kKeptShare = 0.35;     // of the gain of the best short fit
 constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
 constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
 
@@ -67,14 +67,14 @@ Round::Round(Problem& problem, const Folds& folds, const Extended& extended,
   base_ = fitted(problem, extended.model, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
   const double base = energy_of(problem, base_, folds.first);
-  std::vector<TrialFit> trials;
-  try_best(base_, candidates, base, trials);
+  std::vector<ShortFit> fits;
+  try_best(base_, candidates, base, fits);
   if (base > kFar * observations(problem, folds.first)) {
     Hypothesis as_stated = extended.model;
     as_stated.values.head(extended.stated.size()) = extended.stated;
-    try_best(as_stated, candidates, base, trials);
+    try_best(as_stated, candidates, base, fits);
   }
-  compare(base, std::move(trials));
+  compare(base, std::move(fits));
 }
 
 Round::Round(Problem& problem, const Folds& folds, const Defended& term,
@@ -83,15 +83,15 @@ Round::Round(Problem& problem, const Folds& folds, const Defended& term,
   base_ = fitted(problem, term.rest, folds.first, kLongFit);
   base_scores_ = scores(problem, base_, folds.second);
   const double base = energy_of(problem, base_, folds.first);
-  std::vector<TrialFit> trials;
-  try_rivals(term, candidates, base, trials);
-  compare(base, std::move(trials));
+  std::vector<ShortFit> fits;
+  try_rivals(term, candidates, base, fits);
+  compare(base, std::move(fits));
 }
 
-void Round::compare(double base, std::vector<TrialFit> trials) {
-  keep_best(base, trials);
-  problem_.progress().begin_step("full fits", trials.size());
-  for (auto& trial : trials) finish(trial);
+void Round::compare(double base, std::vector<ShortFit> fits) {
+  keep_best(base, fits);
+  problem_.progress().begin_step("full fits", fits.size());
+  for (auto& fit : fits) finish(fit);
   if (!contenders_.empty()) best_fit_ = contenders_[0];
   sort();
   allow_for_noise();
@@ -101,24 +101,24 @@ void Round::compare(double base, std::vector<TrialFit> trials) {
 
 // Screening is linear, effects are not. A few iterations show which candidates deserve a full fit.
 void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
-                     std::vector<TrialFit>& trials) const {
+                     std::vector<ShortFit>& fits) const {
   const auto screened = screened_by(Supposition{problem_, from}, folds_.first, candidates);
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
   for (std::size_t i = 0; i < std::min(screened.size(), effort_.tried); ++i) {
     if (screened[i].gain < std::max(effort_.least, kTriedShare * screened[0].gain)) break;
-    TrialFit trial{screened[i].candidate, {}, base};
+    ShortFit fit{screened[i].candidate, {}, base};
     const std::size_t tries = std::min(screened[i].starts.size(), effort_.starts);
     for (std::size_t k = 0; k < tries; ++k)
-      fit_shortly(extended(from, *trial.candidate, screened[i].starts[k]), trial);
-    if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
+      fit_shortly(extended(from, *fit.candidate, screened[i].starts[k]), fit);
+    if (!fit.hypothesis.free.empty()) fits.push_back(std::move(fit));
   }
 }
 
 // As try_best, but all fits start at the values of the whole model. The holder is tried first, and
 // its special cases, which may have failed from far away.
 void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
-                       std::vector<TrialFit>& trials) const {
+                       std::vector<ShortFit>& fits) const {
   auto screened = screened_by(Supposition{problem_, base_}, folds_.first, candidates);
   const double best = screened.empty() ? 0 : screened[0].gain;
   const auto comes_first = [&](const Screened& one) {
@@ -132,42 +132,42 @@ void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candi
   for (auto one = screened.begin(); one != screened.end(); ++one) {
     const bool is_weak = one->gain < std::max(effort_.least, kTriedShare * best);
     if (one >= rivals && (is_weak || ++tried > effort_.tried)) continue;
-    TrialFit trial{one->candidate, {}, base};
+    ShortFit fit{one->candidate, {}, base};
     const bool holds = is_same(*one->candidate, term.holder);
     const std::size_t tries = holds ? 1 : std::min(one->starts.size(), effort_.starts);
     for (std::size_t k = 0; k < tries; ++k)
-      fit_shortly(in_place(base_, *one->candidate, one->starts[k], term.whole, term.holder), trial);
-    if (!trial.hypothesis.free.empty()) trials.push_back(std::move(trial));
+      fit_shortly(in_place(base_, *one->candidate, one->starts[k], term.whole, term.holder), fit);
+    if (!fit.hypothesis.free.empty()) fits.push_back(std::move(fit));
   }
 }
 
-void Round::fit_shortly(Hypothesis hypothesis, TrialFit& trial) const {
-  const auto fit = fit_if_possible(problem_, hypothesis, folds_.first, effort_.trial_fit);
-  if (!fit || !(fit->sum_of_squares < trial.least)) return;
-  trial.least = fit->sum_of_squares;
+void Round::fit_shortly(Hypothesis hypothesis, ShortFit& best) const {
+  const auto fit = fit_if_possible(problem_, hypothesis, folds_.first, effort_.short_fit);
+  if (!fit || !(fit->sum_of_squares < best.least)) return;
+  best.least = fit->sum_of_squares;
   hypothesis.values = fit->parameters;
-  trial.hypothesis = std::move(hypothesis);
+  best.hypothesis = std::move(hypothesis);
 }
 
-void Round::keep_best(double base, std::vector<TrialFit>& trials) const {
-  std::stable_sort(trials.begin(), trials.end(),
-                   [](const TrialFit& a, const TrialFit& b) { return a.least < b.least; });
-  const double most = trials.empty() ? 0 : base - trials[0].least;
-  std::vector<TrialFit> kept;
-  for (auto& trial : trials) {
-    const bool is_there = std::any_of(kept.begin(), kept.end(), [&](const TrialFit& other) {
-      return other.candidate == trial.candidate;
+void Round::keep_best(double base, std::vector<ShortFit>& fits) const {
+  std::stable_sort(fits.begin(), fits.end(),
+                   [](const ShortFit& a, const ShortFit& b) { return a.least < b.least; });
+  const double most = fits.empty() ? 0 : base - fits[0].least;
+  std::vector<ShortFit> kept;
+  for (auto& fit : fits) {
+    const bool is_there = std::any_of(kept.begin(), kept.end(), [&](const ShortFit& other) {
+      return other.candidate == fit.candidate;
     });
-    const bool is_good = base - trial.least > kKeptShare * most;
+    const bool is_good = base - fit.least > kKeptShare * most;
     if (kept.size() >= (is_good ? effort_.most_kept : effort_.kept)) break;
-    if (!is_there) kept.push_back(std::move(trial));
+    if (!is_there) kept.push_back(std::move(fit));
   }
-  trials = std::move(kept);
+  fits = std::move(kept);
 }
 
-void Round::finish(TrialFit& trial) {
-  Contender contender{*trial.candidate, {}, 0, {}, 0, 0, 0};
-  contender.fitted = fitted(problem_, trial.hypothesis, folds_.first, kLongFit - effort_.trial_fit);
+void Round::finish(ShortFit& fit) {
+  Contender contender{*fit.candidate, {}, 0, {}, 0, 0, 0};
+  contender.fitted = fitted(problem_, fit.hypothesis, folds_.first, kLongFit - effort_.short_fit);
   score(contender);
   contenders_.push_back(std::move(contender));
 }

@@ -12,7 +12,7 @@ namespace rths::diagnosis {
 struct Effort {
   std::size_t starts = 2;                            ///< of a candidate
   std::size_t tried = 10, kept = 5, most_kept = 10;  ///< candidates: in short fits, in long fits
-  int trial_fit = 3;                                 ///< iterations of a short fit
+  int short_fit = 3;                                 ///< iterations of a short fit
   double least = 6;  ///< screened gain below which a candidate is not fitted [nat]
 };
 inline constexpr Effort kThorough{4, 16, 6, 10, 5};
@@ -49,20 +49,20 @@ class Round {
 
  private:
   /// A candidate after a short fit from its best start.
-  struct TrialFit {
+  struct ShortFit {
     const Candidate* candidate;
     Hypothesis hypothesis;
     double least;  ///< sum of squares on the first fold
   };
 
-  void compare(double base, std::vector<TrialFit> trials);
+  void compare(double base, std::vector<ShortFit> fits);
   void try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
-                std::vector<TrialFit>& trials) const;
+                std::vector<ShortFit>& fits) const;
   void try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
-                  std::vector<TrialFit>& trials) const;
-  void fit_shortly(Hypothesis hypothesis, TrialFit& trial) const;
-  void keep_best(double base, std::vector<TrialFit>& trials) const;
-  void finish(TrialFit& trial);
+                  std::vector<ShortFit>& fits) const;
+  void fit_shortly(Hypothesis hypothesis, ShortFit& best) const;
+  void keep_best(double base, std::vector<ShortFit>& fits) const;
+  void finish(ShortFit& fit);
   void score(Contender& contender) const;
   void sort();
   void allow_for_noise();

@@ -72,10 +72,10 @@ class Selector {
 
   Selection with_new_ties(const std::vector<Candidate>& withdrawn) {
     current_ = fitted(problem_, selection_.named, folds_.first, kShortFit);
-    for (std::size_t place = 0; place < selection_.rounds.size(); ++place) {
-      SelectionRound& round = selection_.rounds[place];
+    for (std::size_t index = 0; index < selection_.rounds.size(); ++index) {
+      SelectionRound& round = selection_.rounds[index];
       const Candidate holder = round.chosen.candidate;
-      auto won = comparison_at(place, withdrawn);
+      auto won = comparison_at(index, withdrawn);
       if (!won) continue;
       keep_in_tie(*won, holder);
       if (is_same(won->chosen.candidate, holder)) round = std::move(*won);
@@ -292,13 +292,13 @@ class Selector {
   // A named term among its rivals in its place; nothing if it needs no comparison, or none is
   // acceptable.
   // @param barred  candidates that are no rivals
-  std::optional<SelectionRound> comparison_at(std::size_t place,
+  std::optional<SelectionRound> comparison_at(std::size_t index,
                                               const std::vector<Candidate>& barred) {
     const auto& rounds = selection_.rounds;
-    const Candidate& holder = rounds[place].chosen.candidate;
+    const Candidate& holder = rounds[index].chosen.candidate;
     begin_stage("rivals of " + holder.name);
-    if (is_needed(selection_, place)) return std::nullopt;
-    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[place]; };
+    if (is_needed(selection_, index)) return std::nullopt;
+    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[index]; };
     std::vector<SelectionRound> others;
     std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);
     const Hypothesis rest = with_rounds(selection_.base, rounds, is_other, current_);
@@ -313,16 +313,16 @@ class Selector {
 
   // Compares a named term with its rivals in its place. @returns false if a rival replaces it
   // @param holds_ties  whether a rival that gains less does not replace it in a tie
-  bool defend(std::size_t place, bool holds_ties = true) {
+  bool defend(std::size_t index, bool holds_ties = true) {
     auto& rounds = selection_.rounds;
-    const Candidate holder = rounds[place].chosen.candidate;
-    auto won = comparison_at(place, {});
+    const Candidate holder = rounds[index].chosen.candidate;
+    auto won = comparison_at(index, {});
     if (!won) return true;
     if (holds_ties) keep_in_tie(*won, holder);
-    rounds[place] = std::move(*won);
-    current_ = rounds[place].chosen.fitted;
+    rounds[index] = std::move(*won);
+    current_ = rounds[index].chosen.fitted;
     problem_.renew_noise(current_);
-    return is_same(rounds[place].chosen.candidate, holder);
+    return is_same(rounds[index].chosen.candidate, holder);
   }
 
   // Backward selection: removes candidates that later ones have made redundant.

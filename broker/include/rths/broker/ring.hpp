@@ -161,9 +161,8 @@ class Ring {
   /// on which no process is alive. Until this object is destroyed, the creator is listed on the
   /// ring, but not as a node.
   /// Owner and group may write to it, as far as the umask permits.
-  /// @throws Error if a ring of that name is in use, keeps cards or is of another user, or memory
-  /// is
-  ///         short   @setup
+  /// @throws Error if a ring of that name is in use, keeps cards or is of another user, or if
+  ///         memory is short   @setup
   /// @param journal_bits  a journal has 2^journal_bits entries of 16 bytes
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
                                    std::uint32_t journal_bits = kJournalBits);

@@ -10,8 +10,7 @@ namespace rths::adapters {
 /// Puts the safety layer in front of a machine, unless the table says `enabled = false`.
 /// @param machine  settings of the machine alone
 /// @param words    of its axes, in the order long, lat, vert; none: those of the tested axes by
-/// role,
-///                 TestSetup::machine_axes
+///                 role, TestSetup::machine_axes
 /// @param table    [node.<name>.safety]: the file of the limits, and changes of them
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] NodeSettings with_safety(NodeSettings machine, const Config& table,

@@ -16,8 +16,8 @@
 // them.
 namespace rths::adapters {
 
-/// Place of an axis in a list of values in the order long, lat, vert, roll, pitch, yaw.
-[[nodiscard]] std::size_t place_of(const std::string& axis);
+/// Index of an axis in a list of values in the order long, lat, vert, roll, pitch, yaw.
+[[nodiscard]] std::size_t index_of_axis(const std::string& axis);
 
 /// The values of the given axes in such a list; `otherwise` for all if the table lacks the key.
 /// @throws Error with the key's place if the list is too short   @setup

@@ -33,7 +33,7 @@ struct BearingResult {
   double in_loop = 0;              ///< a step of one of 486 bearings in a loop [ns]
   double goal = 0;                 ///< for the median of `earthquake` [ns]; 0: none
   GateResult gate_result = GateResult::NotJudged;
-  OpenseesTimes opensees;
+  OpenSeesTimes opensees;
 };
 
 struct BearingReport {

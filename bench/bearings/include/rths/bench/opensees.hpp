@@ -9,7 +9,7 @@
 namespace rths::bench {
 
 /// Time of a step of the same bearing in OpenSees.
-struct OpenseesTimes {
+struct OpenSeesTimes {
   std::string element;
   double alone = 0;    ///< a step of an analysis with one element [ns]
   double further = 0;  ///< extra time of each further element [ns]
@@ -18,14 +18,14 @@ struct OpenseesTimes {
 };
 
 /// Files that running OpenSees needs.
-struct OpenseesInstallation {
+struct OpenSeesInstallation {
   std::string python;            ///< a Python with OpenSees; empty: none
   std::filesystem::path script;  ///< bearing.py
 };
 
 /// Times an analysis along a motion, with one element and with many.
 /// @param description  JSON: the element, its friction models and materials
-[[nodiscard]] OpenseesTimes opensees_times(const OpenseesInstallation& opensees,
+[[nodiscard]] OpenSeesTimes opensees_times(const OpenSeesInstallation& opensees,
                                            const std::string& description, const Shaking& shaking,
                                            double time_step);
 

@@ -39,7 +39,7 @@ struct RemoteHost {
     Duration error{0};   ///< the true offset differs by at most this
   };
   std::string name;
-  Duration silence{0};                   ///< since it was heard
+  Duration silence{0};                   ///< since its last announcement
   std::optional<ClockDifference> clock;  ///< empty before the first exchange
   Duration real_time_ahead{0};           ///< its CLOCK_REALTIME minus ours, if `clock` is known
 };

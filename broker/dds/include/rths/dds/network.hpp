@@ -23,14 +23,14 @@ struct Interface {
 [[nodiscard]] std::vector<Interface> interfaces();
 
 /// A gateway of another host, or another gateway of this one.
-struct HeardGateway {
+struct FoundGateway {
   RemoteHost host;
   std::uint64_t map_hash = 0;
   std::size_t nodes = 0;  ///< on its host
 };
 /// Listens for the gateways of a domain, of any ring, and compares clocks with them.
 /// @throws Error if DDS cannot start   @setup
-[[nodiscard]] std::vector<HeardGateway> listen_for_gateways(CycloneOptions network,
+[[nodiscard]] std::vector<FoundGateway> listen_for_gateways(CycloneOptions network,
                                                             Duration listening);
 
 }  // namespace rths::dds

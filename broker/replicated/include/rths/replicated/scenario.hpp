@@ -15,9 +15,9 @@ namespace rths::replicated {
 /// Something that a host or a fault does to a node at a time.
 struct Action {
   enum class Kind {
-    Write,         ///< store of `value` at longword `place`
-    Csr,           ///< write of `value` to register `place`
-    Interrupt,     ///< broadcast interrupt `place` with `value`; GT only
+    Write,         ///< store of `value` at longword `index`
+    Csr,           ///< write of `value` to register `index`
+    Interrupt,     ///< broadcast interrupt `index` with `value`; GT only
     PowerOff,      ///< the node is out of the ring and loses its state
     PowerOn,       ///< with the state after power-up
     CutFibre,      ///< behind the node
@@ -28,7 +28,7 @@ struct Action {
   };
   Time at{0};
   Kind kind = Kind::Write;
-  std::uint32_t node = 0, place = 0, value = 0;
+  std::uint32_t node = 0, index = 0, value = 0;
   double rate = 0;
   Time delay{0};
 };
@@ -81,7 +81,7 @@ class Course {
     std::uint32_t stored = 0;
     bool held_off = false;
     std::mt19937 random;
-    std::uint32_t place = 0;
+    std::uint32_t index = 0;
   };
   void store(const Traffic& traffic, Host& host);
 

@@ -28,7 +28,7 @@ struct TransferParameter {
 ///
 ///     demand       e = K (r(t − τ) − x) − κ (F − F_f),  Ḟ_f = ω_f (F − F_f)
 ///     valve        s̈ = ω² (e − s) − 2 ζ ω ṡ
-///     flow         y = s outside the dead band ± δ K, else 0;  q = y √(1 − sgn(y) F/F_s)
+///     flow         y = s − clip(s, δ K);  q = y √(1 − sgn(y) F/F_s)
 ///     oil column   ẋ = q − l F − c Ḟ
 ///
 /// F_f is the slow force that the valve's feedback leaves out; F_f = 0 if ω_f = 0.
