@@ -2,8 +2,8 @@
 #pragma once
 
 /// Marks the declaration of a function that may run inside a control loop: no heap, no lock, no
-/// system call, no exception, every loop bounded. Each such function has a `RealTimeGuard` test;
-/// clang 20 and later also checks it at compile time.
+/// system call, no exception, every loop bounded. Tests guard such functions
+/// by `EXPECT_REALTIME`; clang 20 and later also checks them at compile time.
 #if defined(__clang__) && __clang_major__ >= 20
 #define RTHS_REALTIME noexcept [[clang::nonblocking]]
 #else

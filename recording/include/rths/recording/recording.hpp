@@ -22,8 +22,9 @@ namespace rths::recording {
 ///     /signals/<p>     float64 [rows × words]  one per partition, SI; attributes names, units
 ///     /events/time, /events/signal, /events/value      changes of signals marked as events
 ///     /drops           int64 [nodes]           steps of each node without a row; attribute names
-///     /rows_missing    int64                   rows that were due but have no values; not in older
-///     files /map             text                    canonical map; attributes name, version, hash
+///     /rows_missing    int64                   rows that were due but have no values; older files
+///                                              lack it
+///     /map             text                    canonical map; attributes name, version, hash
 ///     /config/<file>   text                    input files of the run
 ///     /meta            attributes              data that differ between identical runs
 ///     /meta/added      texts, series           the same, added to the finished recording

@@ -27,7 +27,8 @@ struct AxisLimits {
 ///     servo        w = K_v (r(t − τ) − x) A/Q_r − K_p (P_L − P_f)/P_s     valve demand, |w| ≤ 1
 ///     washout      Ṗ_f = ω_f (P_L − P_f)                                  0 without it
 ///     spool        ẍ_v = ω_v² (w − x_v) − 2 ζ_v ω_v ẋ_v                   |x_v| ≤ 1
-///     port flow    Q = Q_r y √(1 − sgn(y) P_L/P_s),  y = x_v outside the dead band, else 0
+///     port flow    Q = Q_r y √(1 − sgn(y) P_L/P_s)
+///                  y = x_v − d sgn(x_v) outside the dead band ± d, else 0
 ///     oil column   Ṗ_L = (4 B/V) (Q − A ẋ − C_l P_L)
 ///     platen       m_e ẍ = A P_L − F_machine − F_specimen
 ///     table force  A P_L + offset + noise, measured by the load cells of the actuators

@@ -43,8 +43,8 @@ struct Coordinate {
 
 /// The height of a bearing pad on a vertical actuator. The pad tilts and slides under the platen's
 /// plane bottom, so it transmits only a force normal to it:
-///     s = q_z − (n_x (x − q_x) + n_y (y − q_y)) / n_z,   q = c − R (0, 0, depth),   n = R (0, 0,
-///     1)
+///     s = q_z − (n_x (x − q_x) + n_y (y − q_y)) / n_z
+///     q = c − R (0, 0, depth),   n = R (0, 0, 1)
 /// @param foot   x, y of the actuator in the floor's axes [m]
 /// @param depth  of the bottom below the centre of mass [m]   @realtime
 [[nodiscard]] Coordinate pad_height(const Eigen::Vector2d& foot, double depth,
