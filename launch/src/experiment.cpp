@@ -14,6 +14,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/toml_list.hpp>
 
 #include "assumed_model.hpp"
 
@@ -94,7 +95,8 @@ void read_axes(const Config& file, Experiment& experiment) {
   const bool known = std::all_of(axes.begin(), axes.end(),
                                  [](const auto& axis) { return axis == "long" || axis == "lat"; });
   if (axes.empty() || axes.size() > 2 || !known || (axes.size() == 2 && axes[0] == axes[1]))
-    file.fail("axes", "axes must be [\"long\"], [\"lat\"] or both");
+    file.fail("axes",
+              fmt::format("axes are {}, expected [\"long\"], [\"lat\"] or both", toml_list(axes)));
 }
 
 void read_steps(const Config& file, Experiment& experiment) {

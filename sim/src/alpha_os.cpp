@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/sim/alpha_os.hpp>
 
-#include <string>
+#include <fmt/format.h>
 
 #include <rths/core/error.hpp>
 
@@ -19,10 +19,14 @@ AlphaOs::AlphaOs(const MatrixXd& M, const MatrixXd& C, const MatrixXd& K_I, doub
       K_I_{K_I} {
   if (M.rows() != M.cols() || C.rows() != M.rows() || K_I.rows() != M.rows() ||
       C.cols() != M.rows() || K_I.cols() != M.rows())
-    throw Error{"integrator: mass, damping and stiffness are not square matrices of one size"};
-  if (!(dt > 0)) throw Error{"integrator: time step must be positive"};
+    throw Error{fmt::format(
+        "integrator: mass, damping and stiffness are {}x{}, {}x{} and {}x{}, expected square "
+        "matrices of one size",
+        M.rows(), M.cols(), C.rows(), C.cols(), K_I.rows(), K_I.cols())};
+  if (!(dt > 0))
+    throw Error{fmt::format("integrator: the time step is {:g} s, expected a positive time", dt)};
   if (!(alpha >= -1.0 / 3 && alpha <= 0))
-    throw Error{"integrator: alpha is " + std::to_string(alpha) + ", expected -1/3 to 0"};
+    throw Error{fmt::format("integrator: alpha is {:g}, expected -1/3 to 0", alpha)};
   effective_mass_.compute(M + (1 + alpha) * (gamma_ * dt * C + beta_ * dt * dt * K_I));
   if (effective_mass_.info() != Eigen::Success)
     throw Error{"integrator: the effective mass is not positive definite"};

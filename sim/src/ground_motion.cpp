@@ -8,6 +8,8 @@
 #include <sstream>
 #include <string>
 
+#include <fmt/format.h>
+
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
@@ -110,7 +112,9 @@ RecordComponent read_at2(const std::filesystem::path& file) {
     if (line_number == kAt2HeaderLines) {
       expected = static_cast<std::size_t>(number_after(line, "NPTS", file, line_number));
       record.time_step = number_after(line, "DT", file, line_number);
-      if (!(record.time_step > 0)) fail(file, line_number, "DT must be positive");
+      if (!(record.time_step > 0))
+        fail(file, line_number,
+             fmt::format("DT is {:g} s, expected a positive time", record.time_step));
       continue;
     }
     for (const double value : parse_numbers(line, file, line_number))

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <numeric>
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
@@ -64,28 +65,41 @@ void add_relative(MatrixXd& global, const MatrixXd& stick, int first, int base) 
   global(base, base) += rigid.dot(row);
 }
 
+void require(bool holds, const std::string& name, double found, const std::string& expected) {
+  if (!holds) throw Error{fmt::format("plant: {} is {:g}, expected {}", name, found, expected)};
+}
+void require_positive(const std::string& name, double found) {
+  require(found > 0, name, found, "a positive number");
+}
+void require_ratio(const std::string& name, double found) {
+  require(found >= 0 && found < 1, name, found, "0 or more, below 1");
+}
+
 void check(const Stick& stick) {
-  const std::string name = "plant: stick '" + stick.name + "' ";
   if (stick.masses.empty() || stick.masses.size() != stick.elevations.size())
-    throw Error{name + "needs as many elevations as masses"};
-  for (const double mass : stick.masses)
-    if (!(mass > 0)) throw Error{name + "has a mass that is not positive"};
-  if (!(stick.frequency_long > 0 && stick.frequency_lat > 0))
-    throw Error{name + "needs two positive frequencies"};
+    throw Error{
+        fmt::format("plant: stick '{}' has {} masses and {} elevations, expected one or more "
+                    "masses, each with its elevation",
+                    stick.name, stick.masses.size(), stick.elevations.size())};
+  const std::string of_stick = " of stick '" + stick.name + "'";
+  for (const double mass : stick.masses) require_positive("a mass" + of_stick, mass);
+  require_positive("the frequency along long" + of_stick, stick.frequency_long);
+  require_positive("the frequency along lat" + of_stick, stick.frequency_lat);
 }
 
 void check(const IsolatedPlant& plant) {
-  if (!(plant.basemat_mass > 0)) throw Error{"plant: basemat mass must be positive"};
-  if (plant.sticks.empty()) throw Error{"plant: expected at least one stick"};
-  if (plant.bearings < 1) throw Error{"plant: expected at least one bearing"};
-  if (!(plant.damping_ratio >= 0 && plant.damping_ratio < 1))
-    throw Error{"plant: damping ratio must lie between 0 and 1"};
-  if (!(plant.vertical_frequency > 0)) throw Error{"plant: vertical frequency must be positive"};
-  if (!(plant.vertical_damping >= 0 && plant.vertical_damping < 1))
-    throw Error{"plant: vertical damping must lie between 0 and 1"};
-  if (!(std::abs(plant.bearing_long) <= plant.plan_long / 2 &&
-        std::abs(plant.bearing_lat) <= plant.plan_lat / 2))
-    throw Error{"plant: the tested bearing must stand under the basemat"};
+  require_positive("the mass of the basemat", plant.basemat_mass);
+  if (plant.sticks.empty()) throw Error{"plant: has no stick, expected at least one"};
+  require(plant.bearings >= 1, "the number of bearings", plant.bearings, "at least 1");
+  require_ratio("the damping ratio", plant.damping_ratio);
+  require_positive("the vertical frequency", plant.vertical_frequency);
+  require_ratio("the vertical damping", plant.vertical_damping);
+  const auto stands_under = [](const char* axis, double at, double side) {
+    require(std::abs(at) <= side / 2, fmt::format("the tested bearing's place along {}", axis), at,
+            fmt::format("a place under the basemat, {:g} to {:g} m", -side / 2, side / 2));
+  };
+  stands_under("long", plant.bearing_long, plant.plan_long);
+  stands_under("lat", plant.bearing_lat, plant.plan_lat);
   for (const auto& stick : plant.sticks) check(stick);
 }
 

@@ -121,7 +121,7 @@ TEST(OpenSeesConfig, SaysWhatIsWrongAndWhere) {
         {"[element.bearing]\naxial = \"stress\"\n",
          "axial is 'stress', expected deformation or force"},
         {"[element.bearing]\n[element.bearing.springs]\naxial = [[0, 0], [0, 1]]\n",
-         "deformations do not increase"},
+         "deformations do not increase: 0 follows 0"},
         {"[element.bearing]\n[element.bearing.springs]\naxial = [[0, 0]]\n",
          "one row, expected at least two"},
         {"[element.bearing]\nmoved = [\"axial\", \"shear_y\", \"shear_z\", \"torsion\", "

@@ -319,7 +319,7 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("seed = 7", "sed = 7"),
             "lab.toml:5:7: unknown key 'sed' (did you mean 'seed'?)");
   EXPECT_EQ(error_with("seed = 7", "axes = [\"up\"]"),
-            "lab.toml:5:8: axes must be [\"long\"], [\"lat\"] or both");
+            "lab.toml:5:8: axes are [\"up\"], expected [\"long\"], [\"lat\"] or both");
   EXPECT_EQ(error_with("seed = 7", "rate = 0.5"), "lab.toml:5:8: rate is 0.5, expected 1 to 1000");
   EXPECT_EQ(error_with("\"srmd\"\n[node.xpc]", "\"smrd\"\n[node.xpc]"),
             "lab.toml:14:11: there is no adapter 'smrd', expected one of recorder, srmd, "

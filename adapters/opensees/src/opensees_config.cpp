@@ -98,7 +98,9 @@ ComponentSpring read_spring(const Config& table, const char* key, double displac
     spring.points.push_back({row[0] * displacement, row[1] * force});
     const std::size_t n = spring.points.size();
     if (n > 1 && !(spring.points[n - 1][0] > spring.points[n - 2][0]))
-      table.fail(key, "deformations do not increase");
+      table.fail(key, fmt::format("deformations do not increase: {:g} follows {:g}",
+                                  spring.points[n - 1][0] / displacement,
+                                  spring.points[n - 2][0] / displacement));
   }
   if (spring.points.size() < 2) table.fail(key, "one row, expected at least two");
   return spring;
