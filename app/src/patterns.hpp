@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
@@ -30,7 +32,8 @@ inline std::vector<std::string> selected(const std::vector<std::string>& names,
   for (const auto& pattern : patterns)
     if (std::none_of(names.begin(), names.end(),
                      [&](const std::string& name) { return matches(name, {pattern}); }))
-      throw Error{source + ": no signal matches '" + pattern + "'" + did_you_mean(pattern, names)};
+      throw Error{fmt::format("{}: no signal matches '{}'{}", source, pattern,
+                              did_you_mean(pattern, names))};
   std::vector<std::string> result;
   for (const auto& name : names)
     if (matches(name, patterns)) result.push_back(name);
