@@ -336,6 +336,22 @@ struct DoctorArguments {
 /// @param rings  empty: those that no process uses, without idle cards
 [[nodiscard]] int clean(const std::vector<std::string>& rings);
 
+/// Of the commands on rings.
+struct RingCommandArguments {
+  DumpArguments dump;
+  WhoArguments who;
+  WatchArguments watch;
+  SendArguments send;
+  BridgeArguments bridge;
+  RingArguments ring;
+  FaultArguments fault;
+  DoctorArguments doctor;
+  std::string stopped;               ///< name of a run's ring
+  std::vector<std::string> removed;  ///< names of rings
+};
+/// Adds `dump`, `who`, `watch`, `send`, `bridge`, `ring`, `fault`, `stop`, `doctor` and `clean`.
+void add_ring_commands(CLI::App& app, RingCommandArguments& arguments, Chosen& chosen);
+
 /// Version of the program, for recordings.
 [[nodiscard]] std::string version();
 

@@ -4,6 +4,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/key_value.hpp>
 #include <rths/replicated/images.hpp>
 
 #include "commands.hpp"
@@ -12,11 +13,10 @@ namespace rths::app {
 
 int fault(const FaultArguments& arguments) {
   Config table = Config::parse("", "rths fault");
-  for (const auto& key : arguments.keys) {
-    const auto equals = key.find('=');
-    if (equals == std::string::npos)
-      throw Error{fmt::format("found '{}', expected key=value", key)};
-    table.set(key.substr(0, equals), key.substr(equals + 1));
+  for (const auto& text : arguments.keys) {
+    const auto key = key_value(text);
+    if (!key) throw Error{fmt::format("found '{}', expected key=value", text)};
+    table.set(key->first, key->second);
   }
   const auto ring = broker::Ring::attach(arguments.ring);
   std::vector<std::string> names;

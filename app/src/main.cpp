@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fcntl.h>
-#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,6 +18,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/core/key_value.hpp>
 #include <rths/core/message.hpp>
 
 #include "command_line.hpp"
@@ -49,26 +49,18 @@ std::string reason_of(const std::exception& error) {
 struct Arguments {
   RunArguments run;
   NodeArguments node;
-  DumpArguments dump;
   ExportArguments table;
-  WhoArguments who;
-  WatchArguments watch;
-  BridgeArguments bridge;
-  DoctorArguments doctor;
-  SendArguments send;
   BenchmarkArguments bench;
   LoopArguments loop;
   TermsArguments terms;
-  RingArguments ring;
-  FaultArguments fault;
+  RingCommandArguments rings;
   DiagnoseArguments diagnose;
   CheckArguments check;
   NewAdapterArguments made;
   ReplayArguments replay;
   CommissioningArguments before;
-  std::string clock = "wall", file, language = "cpp", folder, beside, format = "text",
-              kept = "out/failed_tests";
-  std::vector<std::string> sets, rings;
+  std::string clock = "wall", file, language = "cpp", folder, beside, kept = "out/failed_tests";
+  std::vector<std::string> sets;
 };
 
 void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -146,21 +138,6 @@ void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return check(a.check); }; });
 }
 
-void add_dump(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command =
-      app.add_subcommand("dump", "Print the words of a ring, or the rows of a recording");
-  command->add_option("source", a.dump.ring_or_recording, "Name of a ring, or file of a recording")
-      ->required();
-  command->add_option("signals", a.dump.patterns, "Signal names; * and ? as in a shell [all]");
-  command->add_option("--format", a.dump.format)->check(CLI::IsMember({"text", "json", "csv"}));
-  command->add_flag("--once", a.dump.once, "Print current values of a ring, not changes");
-  command->add_option("-n,--count", a.dump.count, "Stop after this number of lines")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("-T,--timeout", a.dump.timeout_ms, "Stop after this time [ms]")
-      ->check(CLI::NonNegativeNumber);
-  command->callback([&] { chosen = [&a] { return dump(a.dump); }; });
-}
-
 void add_export(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "export", "Write signals of a recording as a table: one row per time, SI units");
@@ -171,98 +148,6 @@ void add_export(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_option("--format", a.table.format)->check(CLI::IsMember({"csv", "mat"}));
   command->add_option("--out", a.table.out, "File [name of the recording, in this folder]");
   command->callback([&] { chosen = [&a] { return export_table(a.table); }; });
-}
-
-void add_who(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("who", "Print the last writer and write time of words");
-  command->add_option("ring", a.who.ring, "Name of a ring")->required();
-  command->add_option("signals", a.who.patterns, "Signal names; * and ? as in a shell [all]");
-  command->add_option("--format", a.who.format)->check(CLI::IsMember({"text", "json"}));
-  command->callback([&] { chosen = [&a] { return who(a.who); }; });
-}
-
-void add_watch(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand(
-      "watch",
-      "Journal stores of clients that bypass the API; print stores into other nodes' words");
-  command->add_option("ring", a.watch.ring, "Name of a ring")->required();
-  command->add_option("--period-us", a.watch.period_us, "Time between two scans [50]")
-      ->check(CLI::Range(1, 1'000'000));
-  command->add_option("-T,--timeout", a.watch.timeout_ms, "Stop after this time [ms]")
-      ->check(CLI::NonNegativeNumber);
-  command->callback([&] { chosen = [&a] { return watch(a.watch); }; });
-}
-
-void add_send(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("send", "Write words of a ring by name");
-  command->add_option("ring", a.send.ring, "Name of a ring")->required();
-  command
-      ->add_option("assignments", a.send.assignments, "name=value, optionally with a unit: 12.5mm")
-      ->required();
-  command->callback([&] { chosen = [&a] { return send(a.send); }; });
-}
-
-std::string this_host() {
-  utsname host{};
-  return uname(&host) == 0 ? host.nodename : "host";
-}
-
-void add_bridge(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command =
-      app.add_subcommand("bridge", "Connect a ring with those of the same name on other hosts");
-  command->add_option("ring", a.bridge.ring, "Name of a ring of this host")->required();
-  command->add_option("--map", a.bridge.map,
-                      "Create the ring with this map; it is removed at the end");
-  command->add_option("--domain", a.bridge.domain, "DDS domain")
-      ->check(CLI::Range(0, 230))
-      ->capture_default_str();
-  command->add_option("--interface", a.bridge.interface,
-                      "Network interface or address [Cyclone DDS chooses]");
-  command
-      ->add_option("--peer", a.bridge.peers,
-                   "Address of another host, for networks without multicast; repeatable")
-      ->take_all()
-      ->allow_extra_args(false);
-  command->add_option("--host", a.bridge.host, "Name of this host [its network name]");
-  command->add_flag("--skip-unchanged", a.bridge.skips_unchanged,
-                    "Do not send writes that leave a word as it was");
-  command->add_option("--as", a.bridge.joint_name, "Name of the ring on all hosts [the ring's]");
-  command->add_option("-T,--timeout", a.bridge.timeout_ms, "Stop after this time [ms]")
-      ->check(CLI::NonNegativeNumber);
-  command->callback([&] {
-    if (a.bridge.host.empty()) a.bridge.host = this_host();
-    chosen = [&a] { return bridge(a.bridge); };
-  });
-}
-
-void add_ring(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command =
-      app.add_subcommand("ring", "Simulate a ring of cards in virtual time, message by message");
-  command->require_subcommand(1);
-  auto* trace = command->add_subcommand(
-      "trace", "Write every hop of a scenario as trace events for Perfetto or chrome://tracing");
-  trace->add_option("scenario", a.ring.source, "Scenario file")
-      ->required()
-      ->check(CLI::ExistingFile);
-  trace->add_option("--out", a.ring.out,
-                    "File for the trace [name of the scenario, in this folder]");
-  trace->callback([&] { chosen = [&a] { return ring_trace(a.ring); }; });
-  auto* show = command->add_subcommand(
-      "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring");
-  show->add_option("source", a.ring.source, "Scenario file, or name of a ring")->required();
-  show->add_option("--at-us", a.ring.at_us, "Time in the scenario [us; its end]")
-      ->check(CLI::NonNegativeNumber);
-  show->callback([&] { chosen = [&a] { return ring_show(a.ring); }; });
-}
-
-void add_fault(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("fault", "Cause a fault of the cards of a replicated ring");
-  command->add_option("ring", a.fault.ring, "Name of a ring")->required();
-  command
-      ->add_option("keys", a.fault.keys,
-                   "key=value, as in a [[fault]] of an experiment: kind=power_off node=NAME")
-      ->required();
-  command->callback([&] { chosen = [&a] { return fault(a.fault); }; });
 }
 
 void add_loop(CLI::App& app, Arguments& a, Chosen& chosen) {
@@ -381,34 +266,12 @@ void add_test(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return test(a.file, a.kept); }; });
 }
 
-void add_rest(CLI::App& app, Arguments& a, Chosen& chosen) {
-  auto* report_command = app.add_subcommand("report", "Rewrite the report of a run");
-  report_command->add_option("folder", a.folder, "Folder of the run")->required();
-  report_command->add_option("--beside", a.beside,
-                             "Folder of another run, to show its response and spectra, too");
-  report_command->callback([&] { chosen = [&a] { return report(a.folder, a.beside); }; });
-  auto* stop_command = app.add_subcommand("stop", "End a run in order, with its report");
-  stop_command->add_option("ring", a.folder, "Name of the run's ring")->required();
-  stop_command->callback([&] { chosen = [&a] { return stop(a.folder); }; });
-  auto* doctor_command = app.add_subcommand(
-      "doctor", "List the rings of this host and their faults, or the network's");
-  doctor_command->add_option("--format", a.doctor.format)->check(CLI::IsMember({"text", "json"}));
-  auto* domain =
-      doctor_command
-          ->add_option("--domain", a.doctor.domain,
-                       "Examine the network: interfaces, gateways of this DDS domain, their clocks")
-          ->check(CLI::Range(0, 230));
-  doctor_command->add_option("--interface", a.doctor.interface, "As for the gateway of this host")
-      ->needs(domain);
-  doctor_command->add_option("--peer", a.doctor.peers, "As for the gateway of this host")
-      ->take_all()
-      ->allow_extra_args(false)
-      ->needs(domain);
-  doctor_command->callback([&] { chosen = [&a] { return doctor(a.doctor); }; });
-  auto* clean_command =
-      app.add_subcommand("clean", "Remove rings that no running process uses, but keep idle cards");
-  clean_command->add_option("ring", a.rings, "Names of rings to remove, also with idle cards");
-  clean_command->callback([&] { chosen = [&a] { return clean(a.rings); }; });
+void add_report(CLI::App& app, Arguments& a, Chosen& chosen) {
+  auto* command = app.add_subcommand("report", "Rewrite the report of a run");
+  command->add_option("folder", a.folder, "Folder of the run")->required();
+  command->add_option("--beside", a.beside,
+                      "Folder of another run, to show its response and spectra, too");
+  command->callback([&] { chosen = [&a] { return report(a.folder, a.beside); }; });
 }
 
 // For the shell's completion and for the installation; not in the help.
@@ -438,10 +301,10 @@ int parse_and_run(int argc, char** argv) {
   app.set_version_flag("--version", version());
   Arguments arguments;
   Chosen chosen;
-  for (const auto add : {add_run, add_node, add_check, add_dump, add_export, add_who, add_watch,
-                         add_fault, add_bridge, add_send, add_ring, add_loop, add_terms,
-                         add_diagnose, add_map, add_plugins, add_test, add_rest})
+  for (const auto add : {add_run, add_node, add_check, add_export, add_report, add_diagnose,
+                         add_loop, add_terms, add_map, add_plugins, add_test})
     add(app, arguments, chosen);
+  add_ring_commands(app, arguments.rings, chosen);
   add_bench(app, arguments.bench, chosen);
   add_commissioning(app, arguments.before, chosen);
   refuse_nan(app);
@@ -473,10 +336,9 @@ int with_output(int code) {
 Changes split_changes(const std::vector<std::string>& sets) {
   Changes changes;
   for (const auto& set : sets) {
-    const auto equals = set.find('=');
-    if (equals == std::string::npos || equals == 0)
-      throw CLI::ValidationError{"--set " + set + ": expected key=value"};
-    changes.emplace_back(set.substr(0, equals), set.substr(equals + 1));
+    const auto change = key_value(set);
+    if (!change) throw CLI::ValidationError{"--set " + set + ": expected key=value"};
+    changes.push_back(*change);
   }
   return changes;
 }

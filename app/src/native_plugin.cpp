@@ -7,6 +7,7 @@
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/key_value.hpp>
 #include <rths/memmap/map.hpp>
 
 namespace rths::app {
@@ -15,9 +16,9 @@ namespace {
 launch::Overrides changes_of(const Config& config) {
   launch::Overrides changes;
   for (const auto& text : config.texts("set", {})) {
-    const auto equals = text.find('=');
-    if (equals == std::string::npos) config.fail("set", "found '" + text + "', expected key=value");
-    changes.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    const auto change = key_value(text);
+    if (!change) config.fail("set", "found '" + text + "', expected key=value");
+    changes.push_back(*change);
   }
   return changes;
 }

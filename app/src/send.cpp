@@ -8,6 +8,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/key_value.hpp>
 #include <rths/memmap/codec.hpp>
 #include <rths/memmap/units.hpp>
 
@@ -75,10 +76,10 @@ const memmap::SignalEntry& entry_named(const std::string& name, const memmap::Ma
 }
 
 Assignment parse_assignment(const std::string& text, const memmap::Map& map) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos) throw Error{fmt::format("'{}': expected name=value", text)};
-  const auto& entry = entry_named(text.substr(0, equals), map);
-  const std::string value = text.substr(equals + 1);
+  const auto assignment = key_value(text);
+  if (!assignment) throw Error{fmt::format("'{}': expected name=value", text)};
+  const auto& [name, value] = *assignment;
+  const auto& entry = entry_named(name, map);
   const double si = parse_value(value, entry);
   check_range(si, value, entry);
   const memmap::Codec codec{*entry.signal};

@@ -125,12 +125,11 @@ void check_roles(const Config& roles, const memmap::Map& map) {
     for (const auto& role : kAxisRoles) check(roles.table_or_empty(axis), role.key);
 }
 
-std::vector<std::pair<std::string, std::string>> overrides_of(const Reader& run) {
-  std::vector<std::pair<std::string, std::string>> changes;
+std::vector<KeyValue> overrides_of(const Reader& run) {
+  std::vector<KeyValue> changes;
   std::istringstream lines{run.config(kOverridesText)};
   for (std::string line; std::getline(lines, line);)
-    if (const auto equals = line.find('='); equals != std::string::npos)
-      changes.emplace_back(line.substr(0, equals), line.substr(equals + 1));
+    if (auto change = key_value(line)) changes.push_back(std::move(*change));
   return changes;
 }
 

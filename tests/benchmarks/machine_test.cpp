@@ -122,5 +122,11 @@ TEST(Machine, IsDescribedFromTheKernel) {
   EXPECT_FALSE(machine.kernel.empty());
 }
 
+TEST(Load, IsATroubleIfTheHostTookMoreThanTwoPercent) {
+  EXPECT_EQ(steal_trouble(0.02), "");
+  EXPECT_EQ(steal_trouble(0.1),
+            "the host used 10.0 % of the processors' time, expected at most 2 %");
+}
+
 }  // namespace
 }  // namespace rths::bench

@@ -50,6 +50,13 @@ TEST(Times, HaveMedianAndTailOfTheSameValues) {
   EXPECT_DOUBLE_EQ(times.p99, 100);
 }
 
+TEST(Times, HaveTheMedianOfEachQuantile) {
+  const Times middle = median(std::vector<Times>{{1, 30}, {2, 10}, {9, 20}});
+
+  EXPECT_EQ(middle.p50, 2);
+  EXPECT_EQ(middle.p99, 20);
+}
+
 TEST(Bootstrap, GivesTheValueItselfIfAllAreEqual) {
   const Interval interval = median_interval({3, 3, 3, 3, 3}, 1);
 

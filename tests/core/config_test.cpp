@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <rths/core/config.hpp>
+#include <rths/core/key_value.hpp>
+#include <rths/core/toml_list.hpp>
 
 #include "support/files.hpp"
 
@@ -280,6 +282,22 @@ TEST(Config, StartsPathsInAnotherFolder) {
   EXPECT_EQ(std::filesystem::weakly_canonical(config.resolve(config.text("file"))),
             std::filesystem::weakly_canonical(folder.path().parent_path() / "b/x"));
   config.reject_unknown_keys();
+}
+
+TEST(TomlList, ReadsBackTheSame) {
+  const std::vector<std::string> texts{"a", "with \"quotes\" and \\", "line\nbreak", "é"};
+  Config table;
+  table.set("texts", toml_list(texts));
+
+  EXPECT_EQ(table.texts("texts"), texts);
+  EXPECT_EQ(toml_list({}), "[]");
+}
+
+TEST(KeyValue, EndsTheKeyAtTheFirstEqualsSign) {
+  EXPECT_EQ(key_value("a.b=c=d"), (KeyValue{"a.b", "c=d"}));
+  EXPECT_EQ(key_value("a="), (KeyValue{"a", ""}));
+  EXPECT_EQ(key_value("=c"), std::nullopt);
+  EXPECT_EQ(key_value("a"), std::nullopt);
 }
 
 }  // namespace

@@ -27,7 +27,6 @@ constexpr std::size_t kImageSample = 56UL * 1024;  // [B]
 constexpr int kImageSamples = 300;
 constexpr int kWarmUp = 100;                // round trips
 constexpr std::uint64_t kLoadSteps = 3000;  // 1 kHz
-constexpr double kMostSteal = 0.02;         // [-]
 constexpr std::uint64_t kSeed = 1;          // of the intervals
 
 /// The second process, killed at the end.
@@ -183,15 +182,6 @@ double measure_resync(Samples& samples, std::uint32_t domain, BridgeBenchReport&
   return answer.seconds;
 }
 
-Times middle(const std::vector<Times>& times) {
-  std::vector<double> p50, p99;
-  for (const auto& one : times) {
-    p50.push_back(one.p50);
-    p99.push_back(one.p99);
-  }
-  return {median(p50), median(p99)};
-}
-
 void measure(const BridgeBenchOptions& options, BridgeBenchReport& report) {
   Samples samples{options.domain};
   // The first message waits until the two processes have found each other.
@@ -212,8 +202,8 @@ void measure(const BridgeBenchOptions& options, BridgeBenchReport& report) {
   report.updates_per_s = median(updates);
   report.samples_per_s = median(bare);
   report.updates_ratio = median(ratios);
-  report.latency = middle(ring);
-  report.bare_latency = middle(straight);
+  report.latency = median(ring);
+  report.bare_latency = median(straight);
   report.latency_ratio_p50 = median(trips);
   report.latency_ratio_interval = median_interval(trips, kSeed);
   near.measure_load(report);
@@ -241,7 +231,7 @@ BridgeBenchReport run_bridge_bench(const BridgeBenchOptions& options) {
   report.machine = describe_machine();
   report.cycles = options.cycles;
   if (!report.machine.chosen) {
-    report.troubles.emplace_back("only one processor is available, a measurement needs two");
+    report.troubles.emplace_back(kOneProcessor);
     return report;
   }
   const LoadMeter load{report.machine.chosen->cpus};
@@ -250,10 +240,8 @@ BridgeBenchReport run_bridge_bench(const BridgeBenchOptions& options) {
     measure(options, report);
   }
   report.steal = load.so_far().steal;
-  if (report.steal > kMostSteal)
-    report.troubles.push_back(
-        fmt::format("the host used {:.1f} % of the processors' time, expected at most {:g} %",
-                    100 * report.steal, 100 * kMostSteal));
+  if (auto trouble = steal_trouble(report.steal); !trouble.empty())
+    report.troubles.push_back(std::move(trouble));
   report.result = result_of(report);
   return report;
 }

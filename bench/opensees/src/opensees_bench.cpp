@@ -30,8 +30,7 @@ constexpr std::size_t kDoubles = 256;  // length of a message: OpenSees' default
 constexpr double kTrial = 3, kForce = 10, kEnd = 99;
 constexpr int kWarmUp = 200;  // round trips
 constexpr std::chrono::seconds kToStart{20}, kLongest{600};
-constexpr double kMostSteal = 0.02;  // [-]
-constexpr std::uint64_t kSeed = 1;   // of the intervals
+constexpr std::uint64_t kSeed = 1;  // of the intervals
 
 using Message = std::array<double, kDoubles>;
 
@@ -156,18 +155,10 @@ TripResult trips_over(Transport transport, const OpenSeesBenchOptions& options, 
     ratios.push_back(through.back().p50 / straight.back().p50);
     tails.push_back(through.back().p99 / straight.back().p99);
   }
-  const auto middle = [](const std::vector<Times>& times) {
-    std::vector<double> p50, p99;
-    for (const auto& one : times) {
-      p50.push_back(one.p50);
-      p99.push_back(one.p99);
-    }
-    return Times{median(p50), median(p99)};
-  };
   TripResult result;
   result.protocol = transport == Transport::Tcp ? "tcp" : "udp";
-  result.through_ring = middle(through);
-  result.bare = middle(straight);
+  result.through_ring = median(through);
+  result.bare = median(straight);
   result.ratio_p50 = median(ratios);
   result.ratio_interval = median_interval(ratios, kSeed);
   result.ratio_p99 = median(tails);
@@ -183,7 +174,7 @@ OpenSeesBenchReport run_opensees_bench(const OpenSeesBenchOptions& options) {
   report.cycles = options.cycles;
   report.round_trips = options.round_trips;
   if (!report.machine.chosen) {
-    report.troubles.emplace_back("only one processor is available, a measurement needs two");
+    report.troubles.emplace_back(kOneProcessor);
     return report;
   }
   const Cpus cpus = report.machine.chosen->cpus;
@@ -191,10 +182,8 @@ OpenSeesBenchReport run_opensees_bench(const OpenSeesBenchOptions& options) {
   for (const Transport transport : {Transport::Tcp, Transport::Udp})
     report.trips.push_back(trips_over(transport, options, cpus));
   report.steal = load.so_far().steal;
-  if (report.steal > kMostSteal)
-    report.troubles.push_back(
-        fmt::format("the host used {:.1f} % of the processors' time, expected at most {:g} %",
-                    100 * report.steal, 100 * kMostSteal));
+  if (auto trouble = steal_trouble(report.steal); !trouble.empty())
+    report.troubles.push_back(std::move(trouble));
   report.result = GateResult::Pass;
   for (const auto& trip : report.trips)
     if (trip.gate_result == GateResult::Fail)

@@ -187,7 +187,7 @@ RawSpread raw_spread(const std::vector<Row>& rows, const std::vector<Cycle>& cyc
 
 std::vector<std::string> troubles(const Machine& machine, const std::vector<Cycle>& cycles,
                                   const std::vector<RowResult>& results, const RawSpread& raw) {
-  if (!machine.chosen) return {"only one processor is available, a measurement needs two"};
+  if (!machine.chosen) return {kOneProcessor};
   std::vector<std::string> found;
   if (machine.chosen->siblings)
     found.push_back(fmt::format("processors {} and {} share a core", machine.chosen->cpus.near,

@@ -10,6 +10,8 @@
 #include <iterator>
 #include <sstream>
 
+#include <fmt/format.h>
+
 namespace rths::bench {
 namespace {
 
@@ -63,6 +65,13 @@ Load load_between(const CpuTimes& before, const CpuTimes& after, double own) {
   const double all = busy + steal + after.idle - before.idle;
   if (all <= 0) return {};
   return {std::max(0.0, busy - own) / all, steal / all};
+}
+
+std::string steal_trouble(double steal) {
+  constexpr double kMostSteal = 0.02;
+  if (steal <= kMostSteal) return "";
+  return fmt::format("the host used {:.1f} % of the processors' time, expected at most {:g} %",
+                     100 * steal, 100 * kMostSteal);
 }
 
 LoadMeter::LoadMeter(const Cpus& cpus)

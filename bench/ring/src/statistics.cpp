@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 
 namespace rths::bench {
 namespace {
@@ -44,6 +45,15 @@ Interval median_interval(const std::vector<double>& values, std::uint64_t seed) 
 Times times_of(std::vector<double> nanoseconds) {
   std::sort(nanoseconds.begin(), nanoseconds.end());
   return {quantile_of_sorted(nanoseconds, 0.5), quantile_of_sorted(nanoseconds, 0.99)};
+}
+
+Times median(const std::vector<Times>& times) {
+  std::vector<double> p50, p99;
+  for (const auto& one : times) {
+    p50.push_back(one.p50);
+    p99.push_back(one.p99);
+  }
+  return {median(std::move(p50)), median(std::move(p99))};
 }
 
 }  // namespace rths::bench

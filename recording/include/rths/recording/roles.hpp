@@ -3,10 +3,10 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <rths/core/config.hpp>
+#include <rths/core/key_value.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::recording {
@@ -56,7 +56,7 @@ inline constexpr const char* kMapRolesText = "map_roles";
 void check_roles(const Config& roles, const memmap::Map& map);
 
 /// The changes of the run's command line, key and value, in their order.   @setup
-[[nodiscard]] std::vector<std::pair<std::string, std::string>> overrides_of(const Reader& run);
+[[nodiscard]] std::vector<KeyValue> overrides_of(const Reader& run);
 
 /// The recorded experiment with the roles of its map and the changes of its command line; empty if
 /// the recording holds none.

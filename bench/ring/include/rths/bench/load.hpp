@@ -28,6 +28,9 @@ struct Load {
 /// Load between two readings. @param own  processor time of our processes in between [s]
 [[nodiscard]] Load load_between(const CpuTimes& before, const CpuTimes& after, double own);
 
+/// Why a measurement is doubtful in which the host took too much time; empty: it took little.
+[[nodiscard]] std::string steal_trouble(double steal);
+
 /// Measures the load of the two processors since its construction.
 class LoadMeter {
  public:

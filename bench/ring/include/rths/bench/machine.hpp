@@ -8,6 +8,10 @@
 
 namespace rths::bench {
 
+/// Trouble of a machine without a chosen pair of processors.
+inline constexpr const char* kOneProcessor =
+    "only one processor is available, a measurement needs two";
+
 /// The two processors of a measurement.
 struct Cpus {
   int near = 0;  ///< of the side that measures the time

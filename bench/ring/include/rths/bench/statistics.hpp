@@ -28,4 +28,7 @@ struct Times {
 
 [[nodiscard]] Times times_of(std::vector<double> nanoseconds);
 
+/// Median of each of both. @param times  at least one
+[[nodiscard]] Times median(const std::vector<Times>& times);
+
 }  // namespace rths::bench
