@@ -46,41 +46,58 @@ INSTANTIATE_TEST_SUITE_P(Thread, Recording, ::testing::Bool(), [](const auto& ow
   return own.param ? std::string{"own"} : std::string{"caller"};
 });
 
-// A stop that returns slowly to rest takes longer than the retreat.
-TEST(Recorder, RecordsUntilASafetyLayerIsAtRest) {
+memmap::Map with_safety_layer() {
   memmap::MapDescription description = srmd().description();
   memmap::Partition monitor;
   monitor.name = "monitor.srmd";
   monitor.node = "srmd";
-  monitor.base = LongwordOffset{description.size_longwords - 1};
-  monitor.longwords = 1;
+  monitor.base = LongwordOffset{description.size_longwords - 2};
+  monitor.longwords = 2;
   memmap::Signal state;
   state.name = "safety.state";
   state.unit = "1";
   state.offset = monitor.base;
-  monitor.signals = {state};
+  memmap::Signal count = state;
+  count.name = "host.step";
+  count.offset = LongwordOffset{description.size_longwords - 1};
+  monitor.signals = {state, count};
   description.partitions.push_back(monitor);
-  const auto seconds_after_stop = [&](double moving, double longest) {
-    const test::TemporaryFolder folder;
-    RecorderSettings settings;
-    settings.file = folder.path() / "run.h5";
-    settings.own_thread = false;
-    settings.linger = 0.1;
-    settings.longest = longest;
-    const auto recorder = make_recorder(memmap::Map{description}, settings);
-    recorder->activate();
-    test::Bench bench{*recorder};
-    int ticks = 0;
-    do {
-      bench.in("monitor.srmd.safety.state") = 0.001 * ticks < moving ? 4 : 0;
-    } while (bench.step(0.001 * ticks++, true) == Status::Ok);
-    recorder->deactivate();
-    return 0.001 * ticks;
-  };
+  return memmap::Map{description};
+}
 
-  EXPECT_NEAR(seconds_after_stop(0, 5), 0.1, 0.002);
-  EXPECT_NEAR(seconds_after_stop(3, 5), 3.2, 0.002);
-  EXPECT_NEAR(seconds_after_stop(9, 5), 5, 0.002);
+// A recorder that is told to stop at 0, while a safety layer moves its machine until `moving` [s]
+// and its node steps until `alive` [s]. @returns its end [s]
+double end_of_recorder(double moving, double longest, double alive) {
+  const test::TemporaryFolder folder;
+  RecorderSettings settings;
+  settings.file = folder.path() / "run.h5";
+  settings.own_thread = false;
+  settings.linger = 0.1;
+  settings.longest = longest;
+  const auto recorder = make_recorder(with_safety_layer(), settings);
+  recorder->activate();
+  test::Bench bench{*recorder};
+  int ticks = 0;
+  do {
+    const double time = 0.001 * ticks;
+    bench.in("monitor.srmd.safety.state") = std::min(time, alive) < moving ? 4 : 0;
+    if (time < alive) bench.in("monitor.srmd.host.step") = ticks;
+  } while (bench.step(0.001 * ticks++, true) == Status::Ok);
+  recorder->deactivate();
+  return 0.001 * ticks;
+}
+
+// A stop that returns slowly to rest takes longer than the retreat.
+TEST(Recorder, RecordsUntilASafetyLayerIsAtRest) {
+  constexpr double kAlive = 100;
+  EXPECT_NEAR(end_of_recorder(0, 5, kAlive), 0.1, 0.002);
+  EXPECT_NEAR(end_of_recorder(3, 5, kAlive), 3.2, 0.002);
+  EXPECT_NEAR(end_of_recorder(9, 5, kAlive), 5, 0.002);
+}
+
+// The state of a dead node says for ever that it moves its machine.
+TEST(Recorder, DoesNotWaitForASafetyLayerWhoseNodeIsDead) {
+  EXPECT_NEAR(end_of_recorder(9, 5, 1), 1 + 0.5 + 0.2, 0.003);
 }
 
 // A burst far beyond the queue's two seconds: rows that do not fit are counted and dropped.

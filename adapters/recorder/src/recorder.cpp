@@ -4,6 +4,8 @@
 #include <atomic>
 #include <chrono>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <thread>
 
 #include <boost/lockfree/spsc_queue.hpp>
@@ -18,11 +20,31 @@ namespace {
 constexpr std::size_t kQueuedRows = 2000;  // 2 s at 1 kHz: longer than any disk stalls
 constexpr auto kWriterNap = std::chrono::milliseconds{5};
 constexpr double kSettling = 0.2;  // recorded after a safety layer came to rest [s]
+constexpr double kSilence = 0.5;   // without a step: its node is dead [s]
+constexpr std::string_view kSafetyState = ".safety.state";
 
 bool is_moving(double state) noexcept {
   return state == static_cast<double>(controller::SafetyState::Hold) ||
          state == static_cast<double>(controller::SafetyState::RampDown);
 }
+
+/// The words of a node with a safety layer, as inputs of the recorder.
+class SafetyLayer {
+ public:
+  SafetyLayer(std::size_t state, std::optional<std::size_t> count) : state_{state}, count_{count} {}
+  /// Whether the layer moves its machine. A dead node leaves the state that it had.
+  [[nodiscard]] bool is_moving_its_machine(const StepData& step) noexcept {
+    const double count = count_ ? step.inputs[*count_] : step.time;
+    if (count != last_count_) stepped_at_ = step.time;
+    last_count_ = count;
+    return is_moving(step.inputs[state_]) && step.time - stepped_at_ < kSilence;
+  }
+
+ private:
+  std::size_t state_;
+  std::optional<std::size_t> count_;  ///< of the node's steps
+  double last_count_ = -1, stepped_at_ = 0;
+};
 
 class Recorder final : public Adapter {
  public:
@@ -30,7 +52,8 @@ class Recorder final : public Adapter {
       : map_{map}, settings_{settings} {
     for (std::uint32_t i = 0; i < map_.signals().size(); ++i) {
       signals_.push_back(SignalId{i});
-      if (map_.entry(SignalId{i}).name.ends_with(".safety.state")) safety_states_.push_back(i);
+      const std::string& name = map_.entry(SignalId{i}).name;
+      if (name.ends_with(kSafetyState)) add_safety_layer(i, name);
     }
   }
   ~Recorder() override { stop_writer(); }
@@ -44,6 +67,7 @@ class Recorder final : public Adapter {
   // A row in the queue: its time, then its values.
   using Queue = boost::lockfree::spsc_queue<double>;
   [[nodiscard]] std::size_t row_length() const noexcept { return signals_.size() + 1; }
+  void add_safety_layer(std::size_t state, const std::string& name);
   void write_queued();
   void run_writer() noexcept;
   void stop_writer() noexcept;
@@ -61,9 +85,16 @@ class Recorder final : public Adapter {
   std::atomic<bool> failed_{false};
   std::string failure_;
   std::atomic<std::uint64_t> missing_rows_{0};
-  std::vector<std::size_t> safety_states_;  // inputs
+  std::vector<SafetyLayer> safety_layers_;
   double stopped_at_ = -1, moved_at_ = -1;
 };
+
+void Recorder::add_safety_layer(std::size_t state, const std::string& name) {
+  const std::string node = name.substr(0, name.size() - kSafetyState.size());
+  std::optional<std::size_t> count;
+  if (const auto signal = map_.find_signal(node + ".host.step")) count = signal->value();
+  safety_layers_.emplace_back(state, count);
+}
 
 std::vector<Port> Recorder::ports() const {
   std::vector<Port> ports;
@@ -137,8 +168,8 @@ Status Recorder::step(StepData& step) noexcept {
   record(step);
   if (!step.stopping) return Status::Ok;
   if (stopped_at_ < 0) stopped_at_ = step.time;
-  for (const std::size_t state : safety_states_)
-    if (is_moving(step.inputs[state])) moved_at_ = step.time;
+  for (auto& layer : safety_layers_)
+    if (layer.is_moving_its_machine(step)) moved_at_ = step.time;
   const double since = step.time - stopped_at_;
   const bool is_over = since >= settings_.linger && step.time - moved_at_ >= kSettling;
   return is_over || since >= settings_.longest ? Status::Done : Status::Ok;
