@@ -69,7 +69,8 @@ TEST_F(Screening, CombinesTheParametersOfACandidate) {
 
 // A parameter in N/m³ of a motion of a millimetre has such a small signature per unit.
 TEST_F(Screening, DoesNotDependOnTheUnitOfAParameter) {
-  const VectorXd a = sine_of(3, kScreenRows), b = sine_of(5, kScreenRows);
+  constexpr auto kRows = static_cast<Eigen::Index>(kScreenRows);
+  const VectorXd a = sine_of(3, kRows), b = sine_of(5, kRows);
   const std::vector<Record> one{linear_record("one", Use::Fit, 0.05, 3 * a + 2 * b,
                                               {{"a", a}, {"b.coefficient", 1e-15 * b}})};
   const Problem its = linear_problem(relation, one);

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/models/relations.hpp>
+
 #include "check_records.hpp"
 
 namespace rths::diagnosis {
