@@ -8,8 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include <rths/core/error.hpp>
-
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

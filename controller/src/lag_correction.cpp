@@ -5,7 +5,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

@@ -9,8 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

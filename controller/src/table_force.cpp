@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/require.hpp>
 
-#include "require.hpp"
 #include "table_signals.hpp"
 
 namespace rths::controller {

@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "require.hpp"
+#include <rths/core/require.hpp>
+
 #include "table_signals.hpp"
 
 namespace rths::controller {

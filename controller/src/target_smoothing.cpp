@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

@@ -7,8 +7,7 @@
 #include <numbers>
 
 #include <rths/core/constants.hpp>
-
-#include "require.hpp"
+#include <rths/core/require.hpp>
 
 namespace rths::controller {
 

@@ -11,6 +11,7 @@
 #include <rths/algebra/decompositions.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/require.hpp>
 
 namespace rths::sim {
 namespace {
@@ -65,14 +66,10 @@ void add_relative(MatrixXd& global, const MatrixXd& stick, int first, int base) 
   global(base, base) += rigid.dot(row);
 }
 
-void require(bool holds, const std::string& name, double found, const std::string& expected) {
-  if (!holds) throw Error{fmt::format("plant: {} is {:g}, expected {}", name, found, expected)};
-}
-void require_positive(const std::string& name, double found) {
-  require(found > 0, name, found, "a positive number");
-}
-void require_ratio(const std::string& name, double found) {
-  require(found >= 0 && found < 1, name, found, "0 or more, below 1");
+constexpr Require kRequirePlant{"plant"};
+
+void require_ratio(std::string_view name, double found) {
+  kRequirePlant(found >= 0 && found < 1, name, found, "0 or more, below 1");
 }
 
 void check(const Stick& stick) {
@@ -82,21 +79,22 @@ void check(const Stick& stick) {
                     "masses, each with its elevation",
                     stick.name, stick.masses.size(), stick.elevations.size())};
   const std::string of_stick = " of stick '" + stick.name + "'";
-  for (const double mass : stick.masses) require_positive("a mass" + of_stick, mass);
-  require_positive("the frequency along long" + of_stick, stick.frequency_long);
-  require_positive("the frequency along lat" + of_stick, stick.frequency_lat);
+  for (const double mass : stick.masses) kRequirePlant.positive("a mass" + of_stick, mass);
+  kRequirePlant.positive("the frequency along long" + of_stick, stick.frequency_long);
+  kRequirePlant.positive("the frequency along lat" + of_stick, stick.frequency_lat);
 }
 
 void check(const IsolatedPlant& plant) {
-  require_positive("the mass of the basemat", plant.basemat_mass);
+  kRequirePlant.positive("the mass of the basemat", plant.basemat_mass);
   if (plant.sticks.empty()) throw Error{"plant: has no stick, expected at least one"};
-  require(plant.bearings >= 1, "the number of bearings", plant.bearings, "at least 1");
+  kRequirePlant(plant.bearings >= 1, "the number of bearings", plant.bearings, "at least 1");
   require_ratio("the damping ratio", plant.damping_ratio);
-  require_positive("the vertical frequency", plant.vertical_frequency);
+  kRequirePlant.positive("the vertical frequency", plant.vertical_frequency);
   require_ratio("the vertical damping", plant.vertical_damping);
   const auto stands_under = [](const char* axis, double at, double side) {
-    require(std::abs(at) <= side / 2, fmt::format("the tested bearing's place along {}", axis), at,
-            fmt::format("a place under the basemat, {:g} to {:g} m", -side / 2, side / 2));
+    kRequirePlant(std::abs(at) <= side / 2,
+                  fmt::format("the tested bearing's place along {}", axis), at,
+                  fmt::format("a place under the basemat, {:g} to {:g} m", -side / 2, side / 2));
   };
   stands_under("long", plant.bearing_long, plant.plan_long);
   stands_under("lat", plant.bearing_lat, plant.plan_lat);
