@@ -68,10 +68,9 @@ Load load_between(const CpuTimes& before, const CpuTimes& after, double own) {
 }
 
 std::string steal_trouble(double steal) {
-  constexpr double kMostSteal = 0.02;
-  if (steal <= kMostSteal) return "";
+  if (steal <= kQuiet.steal) return "";
   return fmt::format("the host used {:.1f} % of the processors' time, expected at most {:g} %",
-                     100 * steal, 100 * kMostSteal);
+                     100 * steal, 100 * kQuiet.steal);
 }
 
 LoadMeter::LoadMeter(const Cpus& cpus)

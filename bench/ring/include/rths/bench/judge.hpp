@@ -48,8 +48,6 @@ struct RowResult {
 inline constexpr Interval kPlausibleRaw{90, 230};
 /// A store without readers takes a clock cycle or two; above, another process is on the core [ns].
 inline constexpr double kLongestPlainStore = 0.6;
-/// A cycle is quiet up to this load of the two processors by others [-].
-inline constexpr Load kQuiet{0.10, 0.02};
 /// Least number of quiet cycles for a gate result.
 inline constexpr std::size_t kFewestCycles = 3;
 

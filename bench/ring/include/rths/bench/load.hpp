@@ -25,6 +25,9 @@ struct Load {
   double steal = 0;  ///< by the host [-]
 };
 
+/// A cycle is quiet up to this load of the two processors by others [-].
+inline constexpr Load kQuiet{0.10, 0.02};
+
 /// Load between two readings. @param own  processor time of our processes in between [s]
 [[nodiscard]] Load load_between(const CpuTimes& before, const CpuTimes& after, double own);
 
