@@ -319,7 +319,11 @@ TEST(ForeignNode, EndsInOrderWhenTheRunIsStopped) {
   EXPECT_EQ(finished.err, "");
   EXPECT_EQ(finished.exit_code, 1);
   EXPECT_EQ(run.report()["ending"], "stopped on request");
-  EXPECT_EQ(run.report()["broken"][0]["condition"], "end");
+  // A busy host may have broken another condition before.
+  const Json broken = run.report()["broken"];
+  EXPECT_TRUE(std::any_of(broken.begin(), broken.end(), [](const Json& condition) {
+    return condition["condition"] == "end";
+  })) << broken;
   EXPECT_FALSE(test::is_running(process));
 }
 
