@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -36,8 +37,8 @@ struct RunArguments {
   std::string host;       ///< this host, of an experiment on several; empty: all nodes run here
   std::string interface;  ///< of the network to the other hosts; empty: the experiment's
   Changes changes;
-  std::vector<std::string> improvements;  ///< improved.toml files, applied to the model
-  bool diagnoses = true;                  ///< diagnose if there is a [held_out] motion
+  std::vector<std::filesystem::path> improvements;  ///< improved.toml files, added to the model
+  bool diagnoses = true;                            ///< diagnose if there is a [held_out] motion
 };
 [[nodiscard]] int run(const RunArguments& arguments);
 

@@ -90,7 +90,7 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->allow_extra_args(false);
   command
       ->add_option("--improve", a.run.improvements,
-                   "improved.toml of a diagnosis, applied to the model of the simulation")
+                   "improved.toml of a diagnosis, added to the improvements of the model")
       ->check(CLI::ExistingFile)
       ->take_all()
       ->allow_extra_args(false);

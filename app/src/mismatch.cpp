@@ -13,12 +13,12 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
-#include <rths/core/toml_list.hpp>
 #include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
+#include "improvements.hpp"
 #include "write_file.hpp"
 
 namespace rths::app {
@@ -42,17 +42,6 @@ class Draft {
   std::filesystem::path path_;
 };
 
-// Adds a file to the improvements of an experiment.
-launch::Overrides improved_by(const std::filesystem::path& fragment,
-                              const std::filesystem::path& file, launch::Overrides changes) {
-  Config experiment = Config::load(file);
-  for (const auto& [key, value] : changes) experiment.set(key, value);
-  auto files = experiment.table_or_empty("model").texts("improvement", {});
-  files.push_back(fragment.string());
-  changes.emplace_back("model.improvement", toml_list(files));
-  return changes;
-}
-
 budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                  const std::filesystem::path& file,
                                  const launch::Overrides& changes,
@@ -62,7 +51,7 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
   std::optional<Draft> draft;  // the results replace earlier ones when all of them are complete
   if (!fragment.empty()) {
     draft.emplace(std::filesystem::absolute(folder / "improved.draft.toml"), fragment);
-    improved = load_experiment(file, improved_by(draft->path(), file, changes));
+    improved = load_experiment(file, improved_by({draft->path()}, file, changes));
   }
   const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
   std::optional<recording::Reader> held_out;

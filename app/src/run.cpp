@@ -18,7 +18,6 @@
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/core/message.hpp>
-#include <rths/core/toml_list.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -27,6 +26,7 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include "commands.hpp"
+#include "improvements.hpp"
 #include "mismatch.hpp"
 #include "run_folder.hpp"
 #include "steps.hpp"
@@ -49,32 +49,18 @@ void show_progress(const launch::Progress& progress) {
 
 void clear_progress() { write_message(fmt::format("\r{: <70}\r", "")); }
 
-// The files as a TOML list of absolute paths. A path through the link `latest` must still lead to
-// the same file when the run has begun.
-std::string listed(const std::vector<std::string>& files) {
-  std::vector<std::string> paths;
-  for (const auto& file : files) paths.push_back(std::filesystem::weakly_canonical(file).string());
-  return toml_list(paths);
-}
-
-Changes changes_of(const RunArguments& arguments, const std::vector<std::string>& improvements) {
-  Changes changes = arguments.changes;
-  if (!improvements.empty()) changes.emplace_back("model.improvement", listed(improvements));
-  return changes;
-}
-
 // The run would replace its own input.
-void refuse_improvements_in(const std::filesystem::path& folder,
-                            const std::vector<std::string>& improvements) {
-  for (const auto& file : improvements)
-    if (std::filesystem::weakly_canonical(file) ==
-        std::filesystem::weakly_canonical(folder / report::kFragmentFile))
-      throw Error{file + ": this run replaces it, expected another folder for the results (--out)"};
+void refuse_improvements_in(const std::filesystem::path& folder, const RunArguments& arguments) {
+  const auto replaced = std::filesystem::weakly_canonical(folder / report::kFragmentFile);
+  for (const auto& file : improvements_of(arguments.experiment, arguments.changes))
+    if (std::filesystem::weakly_canonical(file) == replaced)
+      throw Error{file.string() +
+                  ": this run replaces it, expected another folder for the results (--out)"};
 }
 
 RunFolder folder_for(const RunArguments& arguments, const std::string& name) {
   if (arguments.out.empty()) return RunFolder{std::filesystem::path{"out"} / name};
-  refuse_improvements_in(arguments.out, arguments.improvements);
+  refuse_improvements_in(arguments.out, arguments);
   return RunFolder{arguments.out, arguments.force};
 }
 
@@ -97,12 +83,10 @@ void check_host(const RunArguments& arguments, const launch::Experiment& experim
 // The diagnosis is written, so a failure is printed only.
 void run_improved(const RunArguments& arguments, const std::filesystem::path& fragment,
                   const std::filesystem::path& folder) {
-  auto improvements = arguments.improvements;
-  improvements.push_back(fragment.string());
   try {
-    launch::run_numerical(
-        load_experiment(arguments.experiment, changes_of(arguments, improvements)),
-        folder / report::kImprovedFile);
+    const auto changes = improved_by({fragment}, arguments.experiment, arguments.changes);
+    launch::run_numerical(load_experiment(arguments.experiment, changes),
+                          folder / report::kImprovedFile);
   } catch (const Error& error) {
     write_message(fmt::format("rths: no improved numerical result: {}\n", error.what()));
   }
@@ -118,8 +102,8 @@ diagnosis::Verdict diagnose_run(const RunArguments& arguments, const std::filesy
     verdict.limits.push_back("the test is not conclusive: " + condition.text());
   // In virtual time the same experiment gives the same bytes.
   if (arguments.virtual_time) verdict.seconds = std::numeric_limits<double>::quiet_NaN();
-  add_mismatch_budget(folder / report::kRunFile, arguments.experiment,
-                      changes_of(arguments, arguments.improvements), folder, verdict);
+  add_mismatch_budget(folder / report::kRunFile, arguments.experiment, arguments.changes, folder,
+                      verdict);
   const auto written = report::write_diagnosis(verdict, folder);
   if (written.fragment) run_improved(arguments, *written.fragment, folder);
   return verdict;
@@ -207,7 +191,7 @@ launch::RunOptions options_for(const RunArguments& arguments, const std::string&
   options.host = arguments.host;
   options.interface = arguments.interface;
   options.report = [](const std::string& line) { write_message(fmt::format("rths: {}\n", line)); };
-  options.overrides = changes_of(arguments, arguments.improvements);
+  options.overrides = arguments.changes;
   options.version = version();
   if (isatty(STDERR_FILENO) == 1) options.progress = show_progress;
   return options;
@@ -268,9 +252,11 @@ int end_early(const launch::RunOutcome& outcome, const std::filesystem::path& fo
 
 }  // namespace
 
-int run(const RunArguments& arguments) {
-  const launch::Experiment experiment =
-      load_experiment(arguments.experiment, changes_of(arguments, arguments.improvements));
+int run(const RunArguments& given) {
+  RunArguments arguments = given;
+  // Now: when the run has begun, the link `latest` leads to another folder.
+  arguments.changes = improved_by(given.improvements, given.experiment, given.changes);
+  const launch::Experiment experiment = load_experiment(arguments.experiment, arguments.changes);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
   if (const auto machine = experiment.unguarded_machine())

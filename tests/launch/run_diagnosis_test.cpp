@@ -8,6 +8,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -307,11 +308,14 @@ TEST_F(DiagnosedRun, RefusesToReplaceItsOwnInputModel) {
   const auto improved =
       again.write("improved.toml", test::content_of(out() / "improved.toml")).string();
 
-  const auto finished = run_example(again.path(), {"--improve", improved});
-
-  EXPECT_EQ(finished.exit_code, 2);
-  EXPECT_NE(finished.err.find("improved.toml: this run replaces it"), std::string::npos)
-      << finished.err;
+  for (const std::vector<std::string>& options :
+       {std::vector<std::string>{"--improve", improved},
+        std::vector<std::string>{"--set", "model.improvement=[\"" + improved + "\"]"}}) {
+    const auto finished = run_example(again.path(), options);
+    EXPECT_EQ(finished.exit_code, 2);
+    EXPECT_NE(finished.err.find("improved.toml: this run replaces it"), std::string::npos)
+        << finished.err;
+  }
   EXPECT_EQ(test::content_of(improved), test::content_of(out() / "improved.toml"));
 }
 
@@ -326,6 +330,29 @@ TEST(RunDiagnosis, IsOmittedOnRequest) {
   for (const char* file : {"verdict.json", "improved.h5", "diagnosis.html"})
     EXPECT_FALSE(std::filesystem::exists(folder.path() / file)) << file;
   EXPECT_TRUE(json_of(folder.path() / "report.json")["diagnosis"].is_null());
+}
+
+TEST(RunDiagnosis, AddsAnImprovementToThoseOfTheExperiment) {
+  const test::TemporaryFolder folder;
+  const auto strength =
+      folder.write("strength.toml", "[specimen.bouc_wen]\ncharacteristic_strength_N = 700_000\n");
+  const auto stiffness = folder.write(
+      "stiffness.toml", "[specimen.bouc_wen]\npost_yield_stiffness_N_per_m = 5_000_000\n");
+  // The force of the simulation with the improvements that the experiment lists and one more.
+  const auto force = [&](const std::vector<std::string>& listed) {
+    const auto run = run_example(
+        folder.path() / "out",
+        {"--force", "--no-diagnosis", "--set", "duration_s=5", "--set", "uncompensated={}", "--set",
+         "held_out={}", "--set", fmt::format("model.improvement=[{}]", fmt::join(listed, ",")),
+         "--improve", stiffness.string()});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return recording::Reader{folder.path() / "out/numerical.h5"}.signal("result.force.long");
+  };
+  const auto quoted = [](const std::filesystem::path& file) { return '"' + file.string() + '"'; };
+
+  const auto of_both = force({quoted(strength)});
+  EXPECT_NE(of_both, force({}));
+  EXPECT_EQ(of_both, force({quoted(strength), quoted(stiffness)}));
 }
 
 TEST(RunDiagnosis, SaysWhereAnImprovementIsWrong) {

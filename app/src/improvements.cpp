@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "improvements.hpp"
+
+#include <rths/core/config.hpp>
+#include <rths/core/toml_list.hpp>
+
+namespace rths::app {
+
+std::vector<std::filesystem::path> improvements_of(const std::filesystem::path& experiment,
+                                                   const launch::Overrides& changes) {
+  Config changed = Config::load(experiment);
+  for (const auto& [key, value] : changes) changed.set(key, value);
+  const Config model = changed.table_or_empty("model");
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : model.texts("improvement", {})) files.push_back(model.resolve(file));
+  return files;
+}
+
+launch::Overrides improved_by(const std::vector<std::filesystem::path>& files,
+                              const std::filesystem::path& experiment, launch::Overrides changes) {
+  if (files.empty()) return changes;
+  auto all = improvements_of(experiment, changes);
+  all.insert(all.end(), files.begin(), files.end());
+  std::vector<std::string> paths;
+  for (const auto& file : all) paths.push_back(std::filesystem::weakly_canonical(file).string());
+  changes.emplace_back("model.improvement", toml_list(paths));
+  return changes;
+}
+
+}  // namespace rths::app
