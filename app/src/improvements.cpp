@@ -8,9 +8,7 @@ namespace rths::app {
 
 std::vector<std::filesystem::path> improvements_of(const std::filesystem::path& experiment,
                                                    const launch::Overrides& changes) {
-  Config changed = Config::load(experiment);
-  for (const auto& [key, value] : changes) changed.set(key, value);
-  const Config model = changed.table_or_empty("model");
+  const Config model = launch::changed_experiment(experiment, changes).table_or_empty("model");
   std::vector<std::filesystem::path> files;
   for (const auto& file : model.texts("improvement", {})) files.push_back(model.resolve(file));
   return files;

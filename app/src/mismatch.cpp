@@ -85,9 +85,7 @@ void improve_experiment(const std::filesystem::path& file, const launch::Overrid
   if (verdict.outcome != diagnosis::Outcome::Missing ||
       !budget::is_tracking_identified(verdict.budget))
     return;
-  Config experiment = Config::load(std::filesystem::absolute(file));
-  for (const auto& [key, value] : changes) experiment.set(key, value);
-  experiment = experiment.in_its_folder();
+  const Config experiment = launch::changed_experiment(std::filesystem::absolute(file), changes);
   auto& improved = verdict.improved;
   improved.experiment = launch::improved_experiment(experiment, verdict.fragment, verdict.budget);
   improved.experiment_folder = experiment.resolve("");

@@ -329,11 +329,15 @@ std::string Experiment::ring_of(const std::string& ring, const std::string& node
   return cards ? replicated::image_name(ring, node) : ring;
 }
 
+Config changed_experiment(const std::filesystem::path& file, const Overrides& overrides) {
+  Config changed = Config::load(file);
+  for (const auto& [key, value] : overrides) changed.set(key, value);
+  return changed.in_its_folder();
+}
+
 Experiment load_experiment(Factories factories, const std::filesystem::path& path,
                            const Overrides& overrides) {
-  Config file = Config::load(path);
-  for (const auto& [key, value] : overrides) file.set(key, value);
-  file = file.in_its_folder();
+  const Config file = changed_experiment(path, overrides);
   const std::int64_t format = file.integer("format");
   if (format != kExperimentFormat)
     file.fail("format",

@@ -355,6 +355,25 @@ TEST(RunDiagnosis, AddsAnImprovementToThoseOfTheExperiment) {
   EXPECT_EQ(of_both, force({quoted(strength), quoted(stiffness)}));
 }
 
+TEST(RunDiagnosis, FindsImprovementsInTheFolderThatTheExperimentNames) {
+  const test::TemporaryFolder folder;
+  const auto text = "[specimen.bouc_wen]\ncharacteristic_strength_N = 700_000\n";
+  static_cast<void>(folder.write("listed.toml", text));
+  const auto added = folder.write("added.toml", text);
+  const auto examples = std::filesystem::path{example()}.parent_path();
+  for (const char* file : {"records", "srmd_constants.toml"})
+    std::filesystem::create_symlink(examples / file, folder.path() / file);
+
+  const auto run =
+      run_example(folder.path() / "out",
+                  {"--no-diagnosis", "--set", "duration_s=2", "--set", "uncompensated={}", "--set",
+                   "held_out={}", "--set", fmt::format("folder=\"{}\"", folder.path().string()),
+                   "--set", "model.improvement=[\"listed.toml\"]", "--improve", added.string()});
+
+  EXPECT_EQ(run.err, "");
+  EXPECT_LE(run.exit_code, 1);
+}
+
 TEST(RunDiagnosis, SaysWhereAnImprovementIsWrong) {
   const test::TemporaryFolder folder;
   const auto out = (folder.path() / "out").string();

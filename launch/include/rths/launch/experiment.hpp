@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <rths/adapters/factory.hpp>
+#include <rths/core/config.hpp>
 #include <rths/memmap/map.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
@@ -89,6 +90,11 @@ struct Experiment : adapters::TestSetup {
 
 /// Changes of the command line to an experiment file: dotted key, value as TOML.
 using Overrides = std::vector<std::pair<std::string, std::string>>;
+
+/// An experiment file with changes. Its relative paths start at the file, or at its key `folder`.
+/// @throws Error if the file cannot be read, or a change is invalid   @setup
+[[nodiscard]] Config changed_experiment(const std::filesystem::path& file,
+                                        const Overrides& overrides);
 
 /// @param factories  the adapters that a node can have
 /// @throws Error file:line:column of the first fault   @setup
