@@ -26,6 +26,7 @@
 
 #include "support/bench.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/lead_rubber.hpp"
 #include "support/process.hpp"
 #include "support/realtime_guard.hpp"
@@ -494,10 +495,7 @@ TEST(SafetyRun, HasOneLineAReportAndAnExitCode) {
   ASSERT_NE(trip, changes.end());
   EXPECT_EQ((*std::next(trip))["state"], "hold");
   EXPECT_EQ(changes.back()["state"], "tripped");
-  const auto& broken = numbers["broken"];
-  EXPECT_TRUE(std::any_of(broken.begin(), broken.end(), [](const auto& condition) {
-    return condition["condition"] == "safety";
-  })) << broken;
+  EXPECT_TRUE(test::breaks(numbers, "safety")) << numbers["broken"];
   EXPECT_NE(test::content_of(folder.path() / "report.html").find("safety-section"),
             std::string::npos);
 }
