@@ -14,6 +14,8 @@
 namespace rths::adapters {
 namespace {
 
+constexpr Duration kAwaitedNap = std::chrono::microseconds{50};
+
 enum RunnerPort : std::size_t {
   kStep,
   kStatus,
@@ -23,6 +25,7 @@ enum RunnerPort : std::size_t {
   kLateMax,
   kDuration,
   kInvalid,
+  kSkipped,
   kRunnerPorts
 };
 
@@ -36,7 +39,8 @@ std::vector<Port> runner_ports() {
           {"host.late", Direction::Monitor, "s", 0, false},
           {"host.late_max", Direction::Monitor, "s", 0, false},
           {"host.duration", Direction::Monitor, "s", 0, false},
-          {"host.invalid", Direction::Monitor, "1", 0, true}};
+          {"host.invalid", Direction::Monitor, "1", 0, true},
+          {"host.skipped", Direction::Monitor, "1", 0, true}};
 }
 
 std::string signal_name(const Port& port, const std::string& node) {
@@ -95,8 +99,8 @@ void check_ports(const std::vector<Port>& ports, const memmap::Map& map, const s
 }
 
 AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::string& node,
-                             std::uint64_t map_hash, Duration period)
-    : adapter_{adapter}, node_{ring.join(node, map_hash)}, period_{period} {
+                             std::uint64_t map_hash, const Schedule& schedule)
+    : adapter_{adapter}, node_{ring.join(node, map_hash)}, schedule_{schedule} {
   bind(runner_ports(), ring, node);
   bind(adapter.ports(), ring, node);
   // On cards, words go out one by one, and the other nodes wait for the outputs only.
@@ -105,7 +109,36 @@ AdapterRunner::AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::st
   std::vector<broker::LongwordRange> words;
   for (const auto& transfer : reads_)
     words.push_back({transfer.base, static_cast<std::uint32_t>(transfer.image.size())});
-  if (!words.empty()) waiter_ = ring.wait_for(words);
+  if (words.empty()) return;
+  waiter_ = ring.wait_for(words);
+  if (schedule.missed != MissedSteps::MakeDue) return;
+  for (const auto& writer : ring.writers_of(words))
+    if (writer != node) followers_.push_back(ring.follow(writer));
+}
+
+void AdapterRunner::await_steps_of(const std::string& node, bool goes_first, broker::Ring& ring) {
+  constexpr double kBeforeTheFirst = -1;
+  const Port count = runner_ports()[kStep];
+  const memmap::SignalEntry entry = entry_of(count, ring.map(), node);
+  awaited_.push_back({entry.signal->offset, memmap::Codec{*entry.signal}, 0});
+  awaited_.back().seen = goes_first ? kBeforeTheFirst : steps_of(awaited_.back());
+}
+
+double AdapterRunner::steps_of(const Awaited& awaited) const noexcept {
+  return awaited.codec.decode(node_.read(awaited.steps));
+}
+
+bool AdapterRunner::is_awaiting(const Awaited& awaited) const noexcept {
+  return !awaited.is_given_up && steps_of(awaited) == awaited.seen;
+}
+
+bool AdapterRunner::is_awaiting() const noexcept {
+  return std::any_of(awaited_.begin(), awaited_.end(),
+                     [this](const Awaited& awaited) { return is_awaiting(awaited); });
+}
+
+void AdapterRunner::give_up_awaiting() noexcept {
+  for (auto& awaited : awaited_) awaited.is_given_up = awaited.is_given_up || is_awaiting(awaited);
 }
 
 AdapterRunner::Value AdapterRunner::value_for(const Port& port, const memmap::SignalEntry& entry,
@@ -161,7 +194,38 @@ AdapterRunner::Transfer& AdapterRunner::transfer_for(std::vector<Transfer>& tran
   return transfers.back();
 }
 
-Status AdapterRunner::read_inputs() noexcept {
+Status AdapterRunner::read_inputs(const Timing& timing) noexcept {
+  if (step_.is_missed && !followers_.empty()) return read_until(timing.due);
+  // A write between these two is read twice, not lost.
+  for (auto& follower : followers_) follower.skip_to_end();
+  return read_newest();
+}
+
+// The words as they were when the step was due. A node that was late too dates its own so.
+Status AdapterRunner::read_until(TimePoint time) noexcept {
+  broker::Write write;
+  for (auto& follower : followers_) {
+    broker::Followed followed{};
+    while ((followed = follower.next_until(time, write)) == broker::Followed::Write) keep(write);
+    if (followed == broker::Followed::Lost) return read_newest();
+  }
+  if (node_.is_ring_lost()) return Status::Stale;
+  Status status = Status::Ok;
+  for (const auto& transfer : reads_) status = worst(status, take(transfer));
+  return status;
+}
+
+void AdapterRunner::keep(const broker::Write& write) noexcept {
+  for (auto& transfer : reads_) {
+    if (transfer.base != write.offset) continue;
+    if (!transfer.is_group)
+      transfer.image[0] = write.value;
+    else if (write.group.size() == transfer.image.size())
+      std::copy(write.group.begin(), write.group.end(), transfer.image.begin());
+  }
+}
+
+Status AdapterRunner::read_newest() noexcept {
   Status status = Status::Ok;
   for (auto& transfer : reads_) {
     if (!transfer.is_group)
@@ -209,7 +273,9 @@ Status AdapterRunner::write_outputs() noexcept {
 void AdapterRunner::write_own_monitors(Status status, const Timing& timing) noexcept {
   steps_ += timing.is_early ? 0 : 1;
   stale_ += status == Status::Stale ? 1 : 0;
-  overruns_ += timing.duration > period_ ? 1 : 0;
+  overruns_ += timing.duration > schedule_.period ? 1 : 0;
+  skipped_ += timing.skipped;
+  outputs_[kSkipped] = static_cast<double>(skipped_);
   outputs_[kStep] = static_cast<double>(steps_);
   outputs_[kStatus] = static_cast<double>(status);
   outputs_[kOverruns] = static_cast<double>(overruns_);
@@ -223,7 +289,13 @@ void AdapterRunner::write_own_monitors(Status status, const Timing& timing) noex
 }
 
 Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) noexcept {
-  Status status = read_inputs();
+  for (auto& awaited : awaited_) {
+    const double steps = steps_of(awaited);
+    awaited.is_given_up = awaited.is_given_up && steps == awaited.seen;
+    awaited.seen = steps;
+  }
+  step_.is_missed = timing.late >= schedule_.period;
+  Status status = read_inputs(timing);
   step_.time = to_seconds(time);
   step_.age = timing.clock != nullptr ? to_seconds(timing.clock->now() - timing.due) : 0;
   step_.inputs = inputs_;
@@ -235,7 +307,8 @@ Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) n
   status = worst(status, result);
   write_own_monitors(status, timing);
   status = worst(status, write_outputs());
-  node_.beat();
+  const TimePoint now = timing.clock != nullptr ? timing.clock->now() : WallClock{}.now();
+  node_.beat(now, step_.is_missed ? now - timing.due : Duration{0});
   // A stale input in the last step does not revoke the adapter's Done.
   return result == Status::Done && status != Status::Fault ? Status::Done : status;
 }
@@ -262,7 +335,18 @@ void AdapterRunner::wait_for_inputs(TimePoint time) noexcept {
   if (!was_written) static_cast<void>(waiter_->wait(time, write));
 }
 
-void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
+void AdapterRunner::wait_until(TimePoint epoch, Duration due, Clock& clock) noexcept {
+  wait_for_event(epoch + due, clock);
+  TimePoint give_up{0};
+  while (is_awaiting()) {
+    const TimePoint now = clock.now();
+    if (give_up == TimePoint{0}) give_up = now + kLongestAwaited;
+    if (now >= give_up) return give_up_awaiting();
+    clock.sleep_until(now + kAwaitedNap);
+  }
+}
+
+void AdapterRunner::wait_for_event(TimePoint time, Clock& clock) noexcept {
   switch (adapter_.wakes_on()) {
     case Wake::Inputs:
       if (waiter_) return wait_for_inputs(time);
@@ -277,18 +361,25 @@ void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
   clock.sleep_until(time);
 }
 
-LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch, const Schedule& schedule,
+LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch,
                  const std::atomic<bool>& stopping) noexcept {
+  const Schedule& schedule = runner.schedule();
   Timing timing;
   timing.clock = &clock;
   for (Duration due = schedule.phase;;) {
-    runner.wait_until(epoch + due, clock);
+    runner.wait_until(epoch, due, clock);
     const TimePoint begun = clock.now();
+    if (const auto skipped = schedule.skipped_at(begun - (epoch + due)); skipped > 0) {
+      timing.skipped += skipped;
+      due += static_cast<Duration::rep>(skipped) * schedule.period;
+      if (epoch + due > begun) continue;
+    }
     timing.is_early = begun < epoch + due;
     timing.late = timing.is_early ? Duration{0} : begun - (epoch + due);
     const Duration time = timing.is_early ? begun - epoch : due;
     timing.due = epoch + time;
     const Status status = runner.tick(time, stopping.load(std::memory_order_relaxed), timing);
+    timing.skipped = 0;
     timing.duration = clock.now() - begun;
     runner.keep(timing);
     if (status == Status::Done || status == Status::Fault) return {status, time};

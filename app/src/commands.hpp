@@ -31,6 +31,7 @@ inline constexpr std::int64_t kLargestSeed = 1'000'000'000'000'000;
 struct RunArguments {
   std::string experiment;
   bool virtual_time = false;
+  bool repeats_late = false;  ///< in virtual time, a test whose host could not keep real time
   std::string out;        ///< folder; empty: a new one in out/<name of the experiment>
   bool force = false;     ///< replace the results of an earlier run in `out`
   std::string ring;       ///< empty: the experiment's name

@@ -68,8 +68,9 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_option("experiment", a.run.experiment, "Experiment file")->required();
   command
       ->add_option("--clock", a.clock,
-                   "wall: real time, one process per node; virtual: deterministic, no waiting")
-      ->check(CLI::IsMember({"wall", "virtual"}));
+                   "wall: real time, one process per node; virtual: deterministic, no waiting; "
+                   "auto: real time, repeated in virtual time if the host was too late")
+      ->check(CLI::IsMember({"wall", "virtual", "auto"}));
   auto* out = command->add_option("--out", a.run.out,
                                   "Folder for the results [a new one: out/<name>/<UTC time>]");
   command->add_flag("--force", a.run.force, "Replace the results of an earlier run in --out")
@@ -97,6 +98,7 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->add_flag("!--no-diagnosis", a.run.diagnoses, "Do not diagnose the recording at the end");
   command->callback([&] {
     a.run.virtual_time = a.clock == "virtual";
+    a.run.repeats_late = a.clock == "auto";
     a.run.changes = split_changes(a.sets);
     chosen = [&a] { return run(a.run); };
   });

@@ -242,12 +242,50 @@ void report_end(const std::filesystem::path& folder, bool has_ring_faults) {
   }
 }
 
+// The cause of a trip comes before it; empty if nothing was late.
+std::string lateness_before_trip(const std::filesystem::path& recording) {
+  try {
+    const auto late = report::lateness_before_trip(recording::Reader{recording});
+    return late.empty() ? "" : late + ", then ";
+  } catch (const Error&) {
+    return "";
+  }
+}
+
 // @param folder  of the recorded response; empty: there is none   @returns the exit code
 int end_early(const launch::RunOutcome& outcome, const std::filesystem::path& folder) {
-  write_message(fmt::format("rths: the run ended early: {}\n",
+  const std::string late = folder.empty() ? "" : lateness_before_trip(folder / report::kRunFile);
+  write_message(fmt::format("rths: the run ended early: {}{}\n", late,
                             outcome.interrupted ? "interrupted" : outcome.trouble));
   if (!folder.empty()) report_end(folder, outcome.has_ring_faults);
   return outcome.interrupted ? kConditionNotMet : kFailure;
+}
+
+// How late the host was, if that may be why the test has no result: in virtual time it has one.
+std::string reason_to_repeat(const RunArguments& arguments, const launch::Experiment& experiment,
+                             const launch::RunOutcome& outcome,
+                             const std::filesystem::path& recording) {
+  const bool is_possible = arguments.repeats_late && experiment.hosts.empty() &&
+                           !experiment.has_user_program() && !experiment.history;
+  if (!is_possible || outcome.interrupted || outcome.stopped_early) return "";
+  try {
+    const recording::Reader run{recording};
+    return outcome.completed && report::judge(run).empty() ? "" : report::late_host_in(run);
+  } catch (const Error&) {  // the run's own trouble is reported
+    return "";
+  }
+}
+
+// The attempt in real time stays beside the repetition.
+launch::RunOutcome repeat_in_virtual_time(const launch::Experiment& experiment,
+                                          launch::RunOptions options) {
+  const auto attempt = options.recording.parent_path() / report::kRealTimeFile;
+  std::filesystem::rename(options.recording, attempt);
+  compress(attempt);
+  options.clock = launch::ClockKind::Virtual;
+  options.started = nullptr;
+  const Interruptible interruptible;
+  return launch::run(experiment, options);
 }
 
 }  // namespace
@@ -268,9 +306,17 @@ int run(const RunArguments& given) {
   // In wall time, the launcher itself brings the nodes to rest.
   std::optional<Interruptible> interruptible;
   if (arguments.virtual_time) interruptible.emplace();
-  const launch::RunOutcome outcome = launch::run(experiment, options);
+  launch::RunOutcome outcome = launch::run(experiment, options);
   if (options.progress) clear_progress();
   const Recorded where = recorded(arguments, experiment);
+  if (const auto late = reason_to_repeat(arguments, experiment, outcome, options.recording);
+      !late.empty()) {
+    write_message(fmt::format(
+        "rths: the host could not keep real time ({}): repeating the test in virtual time\n", late));
+    arguments.virtual_time = true;
+    outcome = repeat_in_virtual_time(experiment, options);
+    if (options.progress) clear_progress();
+  }
   if (run_folder.has_begun())
     fmt::print(
         "recording {}{}\n", text_of(where, options.recording, experiment),

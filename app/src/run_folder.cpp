@@ -32,6 +32,7 @@ constexpr const char* kDiscarded = ".discarded";
 constexpr int kMostAttempts = 1000;
 
 constexpr const char* kResults[] = {report::kRunFile,
+                                    report::kRealTimeFile,
                                     report::kUncompensatedFile,
                                     report::kNumericalFile,
                                     report::kImprovedFile,

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <thread>
 
 #if defined(__x86_64__)
@@ -37,12 +38,16 @@ struct Follower::State {
   NodeId writer;
   std::uint64_t position = 0;
   std::uint64_t lost = 0;
+  std::uint64_t dated_end = 0;  ///< the entries before this position have the date
+  TimePoint date{0};            ///< of the heartbeat behind them
   bool ignored = false;              ///< by its waiter
   std::uint32_t memory_end = 0;      ///< of the ring's memory: entries beyond it are skipped
   std::vector<std::uint32_t> words;  ///< of the group that is being read
 
-  [[nodiscard]] Followed next(Write& write) noexcept;
-  void skip_to_end() noexcept;
+  /// The next write of an entry before this position.
+  [[nodiscard]] Followed next_before(std::uint64_t end, Write& write) noexcept;
+  [[nodiscard]] bool find_date() noexcept;
+  void give_up() noexcept;
   void read_word(const JournalEntry& entry, Write& write) const noexcept;
   [[nodiscard]] bool read_group(const JournalEntry& first, Write& write) noexcept;
   [[nodiscard]] GroupState state_of(const JournalEntry& first) const noexcept;
@@ -52,7 +57,8 @@ struct Follower::State {
   }
 };
 
-void Follower::State::skip_to_end() noexcept {
+// The writer overwrote entries that were not read.
+void Follower::State::give_up() noexcept {
   const std::uint64_t end = end_of(journal);
   lost += end - position;
   position = end;
@@ -87,15 +93,15 @@ Follower::State::GroupState Follower::State::state_of(const JournalEntry& first)
   return GroupState::Complete;
 }
 
-Followed Follower::State::next(Write& write) noexcept {
+Followed Follower::State::next_before(std::uint64_t end, Write& write) noexcept {
   JournalEntry entry;
   // Ends also if another program writes entries without a write faster than they are read.
-  for (std::uint64_t i = 0; i >> journal.bits < 2; ++i) {
+  for (std::uint64_t i = 0; i >> journal.bits < 2 && position < end; ++i) {
     switch (fetch_at(journal, position, entry)) {
       case Fetched::NotYet:
         return Followed::Nothing;
       case Fetched::Gone:
-        skip_to_end();
+        give_up();
         return Followed::Lost;
       case Fetched::Entry:
         break;
@@ -115,12 +121,45 @@ Followed Follower::State::next(Write& write) noexcept {
   return Followed::Nothing;
 }
 
+// Searches the heartbeat behind the next write. False if there is none yet.
+bool Follower::State::find_date() noexcept {
+  if (position < dated_end) return true;
+  JournalEntry entry;
+  for (std::uint64_t at = position; (at - position) >> journal.bits == 0; ++at) {
+    if (fetch_at(journal, at, entry) != Fetched::Entry) return false;
+    if (entry.kind() != EntryKind::Time) continue;
+    dated_end = at + 1;
+    date = TimePoint{static_cast<std::int64_t>(halves(entry.a, entry.b))} - late_of(entry);
+    return true;
+  }
+  return false;
+}
+
 Follower::Follower(std::unique_ptr<State> state) : state_{std::move(state)} {}
 Follower::Follower(Follower&&) noexcept = default;
 Follower& Follower::operator=(Follower&&) noexcept = default;
 Follower::~Follower() = default;
 
-Followed Follower::next(Write& write) noexcept { return state_->next(write); }
+Followed Follower::next(Write& write) noexcept {
+  return state_->next_before(std::numeric_limits<std::uint64_t>::max(), write);
+}
+
+
+Followed Follower::next_until(TimePoint time, Write& write) noexcept {
+  State& state = *state_;
+  JournalEntry entry;
+  while (state.find_date() && state.date < time) {
+    const Followed followed = state.next_before(state.dated_end, write);
+    if (followed != Followed::Nothing) return followed;
+    state.position = std::max(state.position, state.dated_end);
+  }
+  // What was overwritten has no date any more.
+  if (fetch_at(state.journal, state.position, entry) != Fetched::Gone) return Followed::Nothing;
+  state.give_up();
+  return Followed::Lost;
+}
+
+void Follower::skip_to_end() noexcept { state_->position = end_of(state_->journal); }
 std::uint64_t Follower::lost() const { return state_->lost; }
 
 struct Waiter::State {
@@ -212,14 +251,8 @@ Follower Ring::follow(const std::string& node) {
   return Follower{std::move(state)};
 }
 
-Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_spin) {
-  auto state = std::make_unique<Waiter::State>();
-  state->observer.emplace(observe());
-  state->slot = state->observer->slot_;
-  state->wake = &segment_->wake();
-  state->words = words;
-  // On a single processor, spinning would block the writer.
-  state->spin = std::thread::hardware_concurrency() > 1 ? longest_spin : Duration{0};
+std::vector<std::string> Ring::writers_of(const std::vector<LongwordRange>& words) const {
+  std::vector<std::string> writers;
   for (const auto& node : map_->description().nodes) {
     const auto may_write = [&](const LongwordRange& range) {
       return std::any_of(map_->partitions().begin(), map_->partitions().end(),
@@ -230,8 +263,20 @@ Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_
                          });
     };
     if (words.empty() || std::any_of(words.begin(), words.end(), may_write))
-      state->followers.push_back(follow(node.name));
+      writers.push_back(node.name);
   }
+  return writers;
+}
+
+Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_spin) {
+  auto state = std::make_unique<Waiter::State>();
+  state->observer.emplace(observe());
+  state->slot = state->observer->slot_;
+  state->wake = &segment_->wake();
+  state->words = words;
+  // On a single processor, spinning would block the writer.
+  state->spin = std::thread::hardware_concurrency() > 1 ? longest_spin : Duration{0};
+  for (const auto& node : writers_of(words)) state->followers.push_back(follow(node));
   if (state->followers.empty()) throw Error{"no node may write the words to wait for"};
   return Waiter{std::move(state)};
 }

@@ -51,6 +51,9 @@ inline Fetched fetch_at(const JournalView& journal, std::uint64_t position,
   return ahead < (1U << (kLapBits - 1)) ? Fetched::Gone : Fetched::NotYet;
 }
 
+/// By which the writes before an entry of kind Time were late.
+inline Duration late_of(const JournalEntry& entry) noexcept { return Duration{entry.c}; }
+
 /// The first position that is not written yet, or shortly before it while the writer is running.
 [[nodiscard]] std::uint64_t end_of(const JournalView& journal) noexcept;
 

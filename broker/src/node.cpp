@@ -144,7 +144,7 @@ void Node::take_over(const memmap::Map& map, NodeId id, bool plain) {
       own_.push_back({partition.base.value(), partition.base.value() + partition.longwords});
   writer_ =
       std::make_unique<Writer>(Writer{words_, {0, 0}, &segment_->wake(), JournalWriter{journal}});
-  writer_->journal.time(now());
+  writer_->journal.time(now(), Duration{0});
 }
 
 void Node::become_plain(NodeId id) noexcept {
@@ -188,7 +188,7 @@ void Node::leave() noexcept {
   Claim self = claim_;
   // A forked child has a copy of its parent's node. Another process takes the slot of a dead one.
   if (pid_of(self) != getpid() || shared(slot.claim).load() != self) return;
-  if (writer_) writer_->journal.time(now());
+  if (writer_) writer_->journal.time(now(), Duration{0});
   shared(slot.node).store(kNotYet);
   shared(slot.claim).compare_exchange_strong(self, 0);
 }
@@ -250,10 +250,12 @@ std::span<std::uint32_t> Node::plain_memory() {
   return {words_, segment_->map().description().size_longwords};
 }
 
-void Node::beat() noexcept {
+void Node::beat() noexcept { beat(WallClock{}.now(), Duration{0}); }
+
+void Node::beat(TimePoint now, Duration late) noexcept {
   auto beats = shared(segment_->slots()[slot_].beats);
   beats.store(beats.load(std::memory_order_relaxed) + 1, std::memory_order_release);
-  if (writer_) writer_->journal.time(now());
+  if (writer_) writer_->journal.time(static_cast<std::uint64_t>(now.count()), late);
 }
 
 bool Node::is_ring_lost() const noexcept { return segment_->is_lost(); }

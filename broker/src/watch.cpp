@@ -344,7 +344,7 @@ std::vector<PlainStore> Watch::look(const std::function<Judgement(LongwordOffset
   state_->update_members(found);
   const auto now = static_cast<std::uint64_t>(WallClock{}.now().count());
   for (auto& member : state_->members) {
-    if (member.on_behalf) member.on_behalf->time(now);
+    if (member.on_behalf) member.on_behalf->time(now, Duration{0});
     member.beats = state_->observer.beats_of(member.id);
   }
   state_->read_journals();

@@ -22,7 +22,7 @@ constexpr double kBlend = 0.3;         // time constant towards new coefficients
 constexpr double kStart = 1.0;         // without learning: filters settle [s]
 constexpr double kSpeedMemory = 1.0;   // of the RMS speed [s]
 constexpr double kPause =
-    0.3;  // without learning after a clipped or bad sample: G must forget it [s]
+    0.3;  // without learning after a clipped, slow or bad sample: G must forget it [s]
 constexpr double kLargestChange = 4;  // of a coefficient, in standard deviations
 constexpr int kVelocityTerm = 1;
 
@@ -65,10 +65,10 @@ InverseCoefficients AdaptiveInverse::coefficients() const {
   return InverseLead::coefficients_of(initial_ + change_);
 }
 
-double AdaptiveInverse::sent(double share) noexcept {
+double AdaptiveInverse::sent(double share, const Pace& pace) noexcept {
   const double reference = lead_.reference(initial_ + change_, share);
   if (lead_.is_clipped()) ++clipped_;
-  if (lead_.is_clipped() || lead_.is_slowed()) pause_ = std::lround(kPause / settings_.period);
+  if (lead_.is_clipped() || pace.share < 1) pause_ = std::lround(kPause / settings_.period);
   return reference;
 }
 
@@ -120,15 +120,15 @@ void AdaptiveInverse::solve() noexcept {
 }
 
 double AdaptiveInverse::step(double target, double measured, double force, double share, bool adapt,
-                             const CommandRates& rates) noexcept {
+                             const Pace& pace) noexcept {
   const bool is_good = std::isfinite(target) && std::isfinite(measured) && std::isfinite(force);
   if (!is_good) ++bad_samples_;
   if (std::isfinite(target)) last_target_ = target;
   if (std::isfinite(measured)) last_measured_ = measured;
   if (std::isfinite(force)) last_force_ = force;
 
-  lead_.advance(last_target_, last_force_, rates);
-  const double reference = sent(share);
+  lead_.advance(last_target_, last_force_, pace);
+  const double reference = sent(share, pace);
   Channels sent_now;
   sent_now << lead_.terms(),
       reference - initial_.dot(lead_.terms()) - settings_.a4 * lead_.fourth_derivative();

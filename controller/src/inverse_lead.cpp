@@ -11,8 +11,6 @@ namespace {
 
 constexpr Require kRequireLead{"adaptive inverse"};
 constexpr double kLargestLoadShare = 0.8;  // of the force capacity
-constexpr double kSettlingDelays = 3;      // delays of the smoothing until it has forgotten a kink
-constexpr double kFade = 0.04;             // back to the smoothed derivatives [s]
 
 enum Coefficient {
   kPosition,
@@ -49,42 +47,32 @@ InverseCoefficients InverseLead::coefficients_of(const Terms& w) {
 InverseLead::InverseLead(const InverseLeadSettings& settings)
     : settings_{checked(settings)},
       smoothing_{{settings.period, settings.smoothing, settings.average, settings.oil_column}},
-      force_rate_{settings.force_slope, settings.period} {}
+      clock_smoothing_{smoothing_},
+      force_slope_{settings.force_slope, settings.period} {}
 
-void InverseLead::follow_pace(bool is_slowed) noexcept {
-  if (is_slowed)
-    settling_ = std::lround(kSettlingDelays * smoothing_.delay() / settings_.period);
-  else if (settling_ > 0)
-    --settling_;
-  slowed_ = settling_ > 0 ? 1 : std::max(0.0, slowed_ - settings_.period / kFade);
-}
-
-void InverseLead::advance(double target, double force, const CommandRates& rates) noexcept {
+void InverseLead::advance(double target, double force, const Pace& pace) noexcept {
   const double bounded = std::clamp(force, -settings_.force_capacity, settings_.force_capacity);
-  follow_pace(rates.is_slowed);
-  smoothing_.advance(target);
-  const TargetSmoothing::Derivatives& smoothed = smoothing_.smoothed();
-  TargetSmoothing::Derivatives sharp = smoothing_.sharp();
+  const double on_path = target - pace.in_clock;
+  if (const auto sample = targets_(on_path, pace.share)) smoothing_.advance(*sample);
+  clock_smoothing_.advance(pace.in_clock);
+  const TargetSmoothing::Derivatives smoothed =
+      pace.lead * smoothing_.smoothed_after(targets_.since() * settings_.period) +
+      clock_smoothing_.smoothed();
+  TargetSmoothing::Derivatives sharp = smoothing_.sharpened(smoothed);
+  sharp[0] += (1 - pace.lead) * on_path;
   target_ = target;
-  fourth_derivative_ = (1 - slowed_) * smoothed[4];
+  fourth_derivative_ = smoothed[4];
   // The target's motion one lead time after now, from the smoothed one.
   const double delay = smoothing_.delay();
-  double jerk = smoothed[3], acceleration = smoothed[2] + delay * smoothed[3];
-  double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]);
-  if (slowed_ > 0) {
-    const TargetSmoothing::Derivatives known{target, rates.velocity, rates.acceleration, 0, 0};
-    sharp += slowed_ * (known - sharp);
-    velocity += slowed_ * (rates.velocity - velocity);
-    acceleration += slowed_ * (rates.acceleration - acceleration);
-    jerk *= 1 - slowed_;
-  }
-  velocity += settings_.lead_time * acceleration;
-  const double force_rate = force_rate_(bounded);
-  const double total = bounded + settings_.lead_time * force_rate +
+  const double jerk = smoothed[3], acceleration = smoothed[2] + delay * smoothed[3];
+  const double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]) +
+                          settings_.lead_time * acceleration;
+  if (const auto sample = forces_(bounded, pace.force_share)) force_rate_ = force_slope_(*sample);
+  const double total = bounded + settings_.lead_time * force_rate_ +
                        settings_.effective_mass * (acceleration + settings_.lead_time * jerk);
   const double used = std::clamp(std::copysign(total, velocity * total) / settings_.force_capacity,
                                  -kLargestLoadShare, kLargestLoadShare);
-  terms_ << sharp.head<4>(), bounded, force_rate, std::tanh(velocity / settings_.sign_velocity),
+  terms_ << sharp.head<4>(), bounded, force_rate_, std::tanh(velocity / settings_.sign_velocity),
       velocity * (1 / std::sqrt(1 - used) - 1);
 }
 

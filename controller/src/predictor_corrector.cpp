@@ -16,7 +16,7 @@ constexpr double kRefusedDelayRatio = 0.8;
 
 PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& settings)
     : settings_{settings},
-      hold_point_{hold_point(settings.slow_down_from)},
+      hold_point_{hold_point(settings)},
       ramp_{(hold_point_ - settings.slow_down_from) * settings.substeps} {
   const Require require{"predictor-corrector"};
   const double begin = settings.slow_down_from;
@@ -24,6 +24,8 @@ PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& setting
           "at least 1");
   require(settings.substeps >= 10, "the number of substeps", settings.substeps, "at least 10");
   require(begin > 0 && begin < 1, "the begin of slow-down", begin, "a number between 0 and 1");
+  require(settings.hold_at == 0 || (settings.hold_at > begin && settings.hold_at < 1),
+          "the hold point", settings.hold_at, "a number between the begin of slow-down and 1");
   require(ramp_ > 1, "the begin of slow-down", begin,
           "an earlier one: slow-down ends within one substep");
   require(settings.largest_xi > 0 && settings.largest_xi < 1, "the largest xi", settings.largest_xi,
@@ -65,8 +67,7 @@ void PredictorCorrector::substep(bool new_target, const Target& target) noexcept
         state_ = PcState::AutoSlowDown;
         slow_down();
       } else {
-        increment_ = 1;
-        counter_ += increment_;
+        advance_to(counter_ + 1);
         evaluate(Branch::Predict);
       }
       return;
@@ -75,6 +76,18 @@ void PredictorCorrector::substep(bool new_target, const Target& target) noexcept
       slow_down();
       return;
   }
+}
+
+void PredictorCorrector::wait() noexcept {
+  if (state_ != PcState::Initialize)
+    lost_time_ += settings_.simulation_step / settings_.substeps;
+}
+
+// Along the path. What the counter lacks to a whole substep is lost.
+void PredictorCorrector::advance_to(double counter) noexcept {
+  lost_time_ +=
+      std::max(0.0, 1 - (counter - counter_)) * settings_.simulation_step / settings_.substeps;
+  counter_ = counter;
 }
 
 void PredictorCorrector::start_at(const Eigen::VectorXd& setpoint) noexcept {
@@ -99,23 +112,21 @@ void PredictorCorrector::enter_predict() noexcept {
   xi_ = 1;
   switch_command_ = command_;
   counter_ = 1;
-  increment_ = 1;
   slow_down_end_ = 0;
   slow_down_increment_ = 1;
   evaluate(Branch::Predict);
 }
 
 void PredictorCorrector::correct() noexcept {
-  increment_ = std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
-                          kSmallestIncrement, 1.0);
-  counter_ = std::min(counter_ + increment_, static_cast<double>(settings_.substeps));
+  const double increment = std::clamp(
+      slow_down_increment_ + (counter_ - slow_down_end_) / ramp_, kSmallestIncrement, 1.0);
+  advance_to(std::min(counter_ + increment, static_cast<double>(settings_.substeps)));
   evaluate(Branch::Correct);
 }
 
 void PredictorCorrector::slow_down() noexcept {
   slow_down_increment_ = (hold_point_ * settings_.substeps - counter_) / ramp_;
-  increment_ = slow_down_increment_;
-  counter_ += increment_;
+  advance_to(counter_ + slow_down_increment_);
   slow_down_end_ = counter_;
   evaluate(Branch::Predict);
 }
@@ -141,7 +152,7 @@ void PredictorCorrector::evaluate(Branch branch) noexcept {
   const Polynomial polynomial =
       branch == Branch::Predict ? settings_.predictor : settings_.corrector;
   const Weights w = weights(polynomial, branch, counter_ / settings_.substeps, xi_);
-  const double per_second = increment_ / settings_.simulation_step;
+  const double per_second = 1 / settings_.simulation_step;
   for (Eigen::Index axis = 0; axis < command_.size(); ++axis) {
     Jet sum = w.switch_command * switch_command_[axis] + w.acceleration * second_rate_[axis];
     for (std::size_t i = 0; i < w.target.size(); ++i) sum = sum + w.target[i] * history_[i][axis];
@@ -152,15 +163,17 @@ void PredictorCorrector::evaluate(Branch branch) noexcept {
   }
 }
 
-double hold_point(double slow_down_from) { return (1 + slow_down_from) / 2; }
+double hold_point(const PredictorCorrectorSettings& settings) {
+  return settings.hold_at > 0 ? settings.hold_at : (1 + settings.slow_down_from) / 2;
+}
 
-double refused_delay_ratio(double slow_down_from) {
-  return std::min(kRefusedDelayRatio, hold_point(slow_down_from));
+double refused_delay_ratio(const PredictorCorrectorSettings& settings) {
+  return std::min(kRefusedDelayRatio, hold_point(settings));
 }
 
 DelayRating judge_delay(int delay_substeps, const PredictorCorrectorSettings& settings) {
   const double ratio = static_cast<double>(delay_substeps) / settings.substeps;
-  if (ratio >= refused_delay_ratio(settings.slow_down_from)) return DelayRating::Refused;
+  if (ratio >= refused_delay_ratio(settings)) return DelayRating::Refused;
   return ratio > kWarnedDelayRatio ? DelayRating::Warned : DelayRating::Fine;
 }
 

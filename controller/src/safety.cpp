@@ -196,8 +196,26 @@ SafetyTrip Safety::find_in_command(std::size_t axis, double command) noexcept {
   if (beyond(velocity, limits.velocity))
     return {SafetyCause::CommandVelocity, axis, velocity, limits.velocity};
 
-  path.wanted = {command, velocity};
-  const double end = stop_at(axis, path.wanted, stop_ticks(axis, path.wanted));
+  return find_in_stops(axis, {command, velocity});
+}
+
+// A stop begins with the mean velocity of the last window. A command that slows down has a lower one
+// now: a stop that begins with less may be inside the limits where that one is not.
+SafetyTrip Safety::find_in_stops(std::size_t axis, const Stop& full) noexcept {
+  SafetyTrip first;
+  for (const double share : {1.0, 0.5, 0.0}) {
+    paths_[axis].wanted = {full.from, share * full.velocity};
+    const SafetyTrip found = find_in_stop(axis);
+    if (found.cause == SafetyCause::None) return found;
+    if (first.cause == SafetyCause::None) first = found;
+  }
+  return first;
+}
+
+SafetyTrip Safety::find_in_stop(std::size_t axis) noexcept {
+  const SafetyLimits& limits = settings_.axes[axis];
+  const Stop& stop = paths_[axis].wanted;
+  const double end = stop_at(axis, stop, stop_ticks(axis, stop));
   if (beyond(end, limits.displacement))
     return {SafetyCause::CommandDisplacement, axis, end, limits.displacement};
   return std::isfinite(limits.velocity) ? find_in_windows(axis) : SafetyTrip{};

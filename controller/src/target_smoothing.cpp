@@ -90,4 +90,16 @@ void TargetSmoothing::advance(double target) noexcept {
     smoothed_[k] = scale * poles_.difference(k);
 }
 
+TargetSmoothing::Derivatives TargetSmoothing::smoothed_after(double time) const noexcept {
+  Derivatives later = smoothed_;
+  for (int k = 0; k < kDerivatives; ++k) {
+    double term = 1;
+    for (int i = 1; k + i < kDerivatives; ++i) {
+      term *= time / i;
+      later[k] += term * smoothed_[k + i];
+    }
+  }
+  return later;
+}
+
 }  // namespace rths::controller

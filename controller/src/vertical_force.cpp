@@ -33,7 +33,11 @@ double AxialBearing::displacement(double force, double horizontal) const noexcep
   const double square = horizontal * horizontal;
   double flexibility = (1 + softening * square) / stiffness + 1 / servo_stiffness;
   if (series_stiffness > 0) flexibility += 1 / series_stiffness;
-  return force * flexibility + (lift_radius != 0 ? square / (2 * lift_radius) : 0);
+  return force * flexibility + height_lost(horizontal);
+}
+
+double AxialBearing::height_lost(double horizontal) const noexcept {
+  return lift_radius != 0 ? horizontal * horizontal / (2 * lift_radius) : 0;
 }
 
 VerticalForceSettings srmd_vertical() {
@@ -61,6 +65,8 @@ VerticalForceSettings srmd_vertical() {
 namespace {
 
 constexpr double kLeastPressure = 0.05;  // share of the supply's that moves the oil
+// Of the lead of a force that waits: the machine would pass its target within the lag of 50 ms [s].
+constexpr double kLeadFade = 0.01;
 
 // D(s) = Σ dₖ sᵏ of a servo, up to the third order.
 struct Lead {
@@ -117,7 +123,9 @@ FlowLead::FlowLead(const SingleActingServo& servo, double stiffness, double smoo
       weight_{servo.platen_mass * kStandardGravity},
       supply_force_{servo.supply_force},
       smoothing_{smoothing},
-      poles_{smoothing, period} {
+      period_{period},
+      on_path_{smoothing, period},
+      in_clock_{smoothing, period} {
   // The poles delay by (1 + sT)ⁿ, which the lead includes.
   const Lead d = lead_of(servo);
   const double n = kPoles;
@@ -125,12 +133,20 @@ FlowLead::FlowLead(const SingleActingServo& servo, double stiffness, double smoo
   second_ = d.d2 + n * smoothing * d.d1 + n * (n - 1) / 2 * smoothing * smoothing;
 }
 
-double FlowLead::step(double wanted, double load) noexcept {
-  poles_.advance(wanted);
-  const double velocity = poles_.difference(1) / smoothing_;
-  const double acceleration = poles_.difference(2) / (smoothing_ * smoothing_);
-  const double jerk = poles_.difference(3) / (smoothing_ * smoothing_ * smoothing_);
-  const double ahead = velocity + first_ * acceleration + second_ * jerk;
+// The velocity of the oil, this time after the last sample, by Taylor's series.
+double FlowLead::ahead_in(const PoleChain<kPoles>& poles, double since) const noexcept {
+  const double velocity = poles.difference(1) / smoothing_;
+  const double acceleration = poles.difference(2) / (smoothing_ * smoothing_);
+  const double jerk = poles.difference(3) / (smoothing_ * smoothing_ * smoothing_);
+  return velocity + since * (acceleration + since / 2 * jerk) +
+         first_ * (acceleration + since * jerk) + second_ * jerk;
+}
+
+double FlowLead::step(double wanted, double load, const Pace& pace) noexcept {
+  if (const auto sample = targets_(wanted - pace.in_clock, pace.share)) on_path_.advance(*sample);
+  in_clock_.advance(pace.in_clock);
+  const double ahead =
+      pace.lead * ahead_in(on_path_, targets_.since() * period_) + ahead_in(in_clock_, 0);
   const double used =
       std::clamp((load + weight_) / supply_force_, kLeastPressure, 1 - kLeastPressure);
   return gain_ * ahead * (1 / std::sqrt(ahead > 0 ? 1 - used : used) - 1);
@@ -151,7 +167,7 @@ VerticalForceControl::VerticalForceControl(const VerticalForceSettings& settings
 }
 
 double VerticalForceControl::step(double target, double measured, double horizontal_target,
-                                  double horizontal, bool adapt) noexcept {
+                                  double horizontal, bool adapt, double path_share) noexcept {
   const double wanted = settings_.bearing.displacement(target, horizontal_target);
   const double found = settings_.bearing.displacement(measured, horizontal);
   const double error = found - wanted;
@@ -163,8 +179,14 @@ double VerticalForceControl::step(double target, double measured, double horizon
   }
   if (std::isfinite(wanted)) last_wanted_ = wanted;
   if (std::isfinite(target)) last_target_ = target;
-  return inverse_.step(wanted - disturbance_, found, target, 1, adapt) +
-         (flow_ ? flow_->step(last_wanted_, last_target_) : 0);
+  const double height = settings_.bearing.height_lost(horizontal_target);
+  if (std::isfinite(height)) last_height_ = height;
+  const double fade = settings_.inverse.period / kLeadFade;
+  lead_ += fade * (path_share * (1 - lead_) - (1 - path_share) * lead_);
+  Pace pace{path_share, path_share, last_height_ - disturbance_, lead_};
+  const double reference = inverse_.step(wanted - disturbance_, found, target, 1, adapt, pace);
+  pace.in_clock = last_height_;
+  return reference + (flow_ ? flow_->step(last_wanted_, last_target_, pace) : 0);
 }
 
 }  // namespace rths::controller

@@ -58,6 +58,7 @@ NodePlan read_node(Factories factories, const std::string& node, const Config& t
   plan.host = table.text("host", "");
   plan.settings = factory.read(node, table, setup);
   const auto& usual = plan.settings.schedule;
+  plan.schedule.missed = usual.missed;
   plan.schedule.period =
       from_seconds(table.number_in("period_s", 1e-5, 1, to_seconds(usual.period)));
   plan.schedule.phase = from_seconds(table.number_in("phase_s", 0, 1, to_seconds(usual.phase)));
@@ -288,6 +289,26 @@ void spread_seed(Experiment& experiment) {
   experiment.computing_time.seed = experiment.seed + 1;
 }
 
+// The time of machine and controller stands still together, or of none: a machine that is real, of
+// another host or of another period moves on, and so do cards.
+void settle_missed_steps(Experiment& experiment) {
+  const adapters::Schedule* first = nullptr;
+  bool all_wait = !experiment.cards.has_value();
+  const auto is_part = [](const NodePlan& plan) {
+    return plan.settings.role == adapters::Role::Machine ||
+           plan.settings.role == adapters::Role::Controller;
+  };
+  for (const auto& plan : experiment.nodes) {
+    if (!is_part(plan)) continue;
+    if (first == nullptr) first = &plan.schedule;
+    all_wait = all_wait && plan.schedule.missed == adapters::MissedSteps::Wait &&
+               plan.schedule.period == first->period && plan.host == experiment.nodes[0].host;
+  }
+  for (auto& plan : experiment.nodes)
+    if (!all_wait && plan.schedule.missed == adapters::MissedSteps::Wait)
+      plan.schedule.missed = adapters::MissedSteps::MakeDue;
+}
+
 }  // namespace
 
 bool Experiment::has_own_solver() const {
@@ -374,6 +395,7 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   spread_seed(experiment);
+  settle_missed_steps(experiment);
   std::string changes;
   for (const auto& [key, value] : overrides) changes += fmt::format("{}={}\n", key, value);
   if (!changes.empty()) experiment.config.emplace_back(recording::kOverridesText, changes);

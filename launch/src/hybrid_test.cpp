@@ -254,8 +254,7 @@ budget::TransferRecord transfer_record_of(const Roles& roles, const Reader& run,
   if (words == nullptr) throw Error{"the run does not test the axis '" + axis + "'"};
   const NodeTicks ticks{run, roles.machine};
   budget::TransferRecord record;
-  const auto time = at_each_count(ticks.counter(), run.time());
-  record.period = (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
+  record.period = ticks.interval();
   record.reference = ticks.values(words->reference_echo);
   // A machine that is late makes its missed ticks at once, between two rows of the recording.
   if (!order.controller_before.empty()) {

@@ -14,12 +14,14 @@ using recording::Reader;
 /// Of the steps of a node [s].
 struct Schedule {
   double period = 0.001, phase = 0;
+  bool makes_due = false;  ///< missed steps, with the inputs of their own time
 };
 
 Schedule schedule_of(const Experiment& experiment, const std::string& node) {
   for (const auto& plan : experiment.nodes)
     if (plan.node == node)
-      return {to_seconds(plan.schedule.period), to_seconds(plan.schedule.phase)};
+      return {to_seconds(plan.schedule.period), to_seconds(plan.schedule.phase),
+              plan.schedule.missed == adapters::MissedSteps::MakeDue};
   return {};
 }
 
@@ -31,9 +33,11 @@ budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
   const Schedule schedule = schedule_of(experiment, node);
   budget::TickTimes times;
   for (std::size_t i = 0; i < std::min(late.values.size(), duration.values.size()); ++i) {
+    const bool is_missed = schedule.makes_due && late.values[i] >= schedule.period;
+    times.missed.push_back(is_missed);
     times.begin.push_back(schedule.phase + static_cast<double>(i) * schedule.period +
-                          late.values[i]);
-    times.end.push_back(times.begin.back() + duration.values[i]);
+                          (is_missed ? 0 : late.values[i]));
+    times.end.push_back(times.begin.back() + (is_missed ? 0 : duration.values[i]));
   }
   return times;
 }
@@ -46,6 +50,8 @@ std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& tic
   const auto targets = run.signal(monitor + "pc.targets");
   const std::string target_time = monitor + "pc.target_time";
   const auto time = run.has(target_time) ? run.signal(target_time) : std::vector<double>{};
+  const std::string skips = monitor + "host.skipped";
+  const auto skipped = run.has(skips) ? run.signal(skips) : std::vector<double>(time.size(), 0);
   std::vector<budget::Arrival> arrivals;
   std::size_t last = 0;  // ticks made
   for (std::size_t row = 0; row < targets.size(); ++row) {
@@ -56,7 +62,8 @@ std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& tic
     while (static_cast<double>(arrivals.size()) + 1 <= targets[row])
       arrivals.push_back({last, made - 1});
     if (arrivals.size() > before && !time.empty()) {
-      const auto tick = std::max(0L, std::lround((time[row] - schedule.phase) / schedule.period));
+      const double passed = (time[row] - schedule.phase) / schedule.period - skipped[row];
+      const auto tick = std::max(0L, std::lround(passed));
       arrivals.back().first = arrivals.back().last =
           std::clamp(static_cast<std::size_t>(tick), last, made - 1);
     }
@@ -70,11 +77,12 @@ class Punctuality {
  public:
   /// @param solver_late  by tick of the controller [s]
   Punctuality(std::vector<double> solver_late, const budget::TickTimes& controller, double period)
-      : begin_{controller.begin}, solver_{std::move(solver_late)}, period_{period} {}
+      : controller_{controller}, solver_{std::move(solver_late)}, period_{period} {}
   [[nodiscard]] bool holds(std::size_t from, std::size_t to) const {
-    for (std::size_t tick = from; tick <= to && tick < begin_.size(); ++tick) {
-      const double due = begin_.front() + static_cast<double>(tick) * period_;
-      if (begin_[tick] - due > period_ / 2 ||
+    const auto& begin = controller_.begin;
+    for (std::size_t tick = from; tick <= to && tick < begin.size(); ++tick) {
+      const double due = begin.front() + static_cast<double>(tick) * period_;
+      if (controller_.missed[tick] || begin[tick] - due > period_ / 2 ||
           solver_[std::min(tick, solver_.size() - 1)] > period_ / 2)
         return false;
     }
@@ -82,7 +90,7 @@ class Punctuality {
   }
 
  private:
-  const std::vector<double>& begin_;
+  const budget::TickTimes& controller_;
   std::vector<double> solver_;
   double period_;
 };

@@ -37,6 +37,37 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
   return meta;
 }
 
+std::vector<const NodePlan*> awaited_by(const Experiment& experiment, const NodePlan& plan) {
+  using adapters::MissedSteps;
+  using adapters::Role;
+  std::vector<const NodePlan*> others;
+  const Role role = plan.settings.role;
+  const auto is_awaited = [&](const NodePlan& other) {
+    const MissedSteps missed = other.schedule.missed;
+    if (other.host != plan.host || other.settings.program ||
+        other.schedule.period != plan.schedule.period)
+      return false;
+    if (role == Role::Controller && other.settings.role == Role::Machine)
+      return missed == MissedSteps::Wait || missed == MissedSteps::MakeDue;
+    return role == Role::Machine && other.settings.role == Role::Controller &&
+           missed == MissedSteps::Wait;
+  };
+  if (experiment.cards || plan.settings.program) return others;
+  for (const auto& other : experiment.nodes)
+    if (is_awaited(other)) others.push_back(&other);
+  return others;
+}
+
+void await_others(const Experiment& experiment, const NodePlan& plan,
+                  adapters::AdapterRunner& runner, broker::Ring& ring) {
+  const bool is_machine = plan.settings.role == adapters::Role::Machine;
+  const Duration phase = plan.schedule.phase;
+  for (const NodePlan* other : awaited_by(experiment, plan)) {
+    const Duration its = other->schedule.phase;
+    runner.await_steps_of(other->node, phase < its || (phase == its && is_machine), ring);
+  }
+}
+
 std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
   constexpr double kSlowest = 2, kMargin = 10;  // of the planned duration; [s]
   const double longest = (experiment.rest + experiment.duration * experiment.rate) * kSlowest;

@@ -54,6 +54,15 @@ struct RunResult {
 /// cause.
 void add_faults(const std::vector<std::string>& events, RunResult& result);
 
+/// Makes a node await the steps of others on its host: a controller those of a simulated machine, and
+/// the machine those of the controller if their time waits. None on cards, whose words are under way
+/// for a while.
+void await_others(const Experiment& experiment, const NodePlan& plan,
+                  adapters::AdapterRunner& runner, broker::Ring& ring);
+/// The nodes that it awaits.
+[[nodiscard]] std::vector<const NodePlan*> awaited_by(const Experiment& experiment,
+                                                      const NodePlan& plan);
+
 /// Steps of a node in the longest run of an experiment, slow-downs included.
 [[nodiscard]] std::size_t steps_of(const Experiment& experiment, const NodePlan& plan);
 

@@ -31,7 +31,7 @@ class LoopThread {
       : thread_{[this, &runner, epoch, &plan] {
           missing_ = make_realtime(plan.settings.priority);
           WallClock clock;
-          end_ = adapters::run_loop(runner, clock, epoch, plan.schedule, stopping_);
+          end_ = adapters::run_loop(runner, clock, epoch, stopping_);
           finished_.store(true, std::memory_order_release);
         }} {}
   ~LoopThread() {
@@ -157,7 +157,8 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   if (station->plan.settings.program)
     return run_foreign_node(experiment, station->plan, ring, {ring_name, recording});
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),
-                                 station->plan.schedule.period};
+                                 station->plan.schedule};
+  await_others(experiment, station->plan, runner, ring);
   LauncherLink launcher;
   {
     const SetupGuard guard{launcher, node};

@@ -26,6 +26,7 @@ namespace rths::launch {
 namespace {
 
 constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
+constexpr Duration kAwaitedNap = std::chrono::microseconds{50};
 constexpr Duration kLongestFarewell = std::chrono::seconds{5};
 
 /// A node of the test; on another host without a runner.
@@ -34,6 +35,7 @@ struct Runner {
   std::unique_ptr<adapters::AdapterRunner> runner;
   Duration due;
   Duration start;  ///< of its next step
+  std::uint64_t skipped = 0;  ///< steps before it that are left out
   bool finished = false;
   std::unique_ptr<PeerWatch> peers = nullptr;  ///< on a ring of cards
   Duration next_look{0};
@@ -59,12 +61,8 @@ class VirtualRun {
       const bool is_here = turns == nullptr || station.plan.host == options.host;
       if (is_here) station.adapter->activate();
       runners_.push_back({&station,
-                          is_here
-                              ? std::make_unique<adapters::AdapterRunner>(
-                                    *station.adapter, ring_of(station.plan.node), station.plan.node,
-                                    assembly.map.hash(), station.plan.schedule.period)
-                              : nullptr,
-                          station.plan.schedule.phase, Duration{0}, false});
+                          is_here ? runner_of(station, assembly, ring_of(station.plan.node)) : nullptr,
+                          station.plan.schedule.phase, Duration{0}});
       schedule(runners_.back());
       if (options.lateness && runners_.back().runner)
         runners_.back().runner->keep_times(steps_of(experiment, station.plan));
@@ -82,6 +80,7 @@ class VirtualRun {
   std::string run() {
     if (options_.started) options_.started();
     while (Runner* runner = next_due(runners_)) {
+      if (postpones(*runner) || skips(*runner)) continue;
       if (images_ != nullptr) images_->advance(runner->start);
       const auto status = step(*runner);
       if (images_ != nullptr) images_->advance(runner->start);
@@ -109,11 +108,48 @@ class VirtualRun {
   }
 
  private:
+  [[nodiscard]] std::unique_ptr<adapters::AdapterRunner> runner_of(const Station& station,
+                                                                   const Assembly& assembly,
+                                                                   broker::Ring& ring) const {
+    auto runner = std::make_unique<adapters::AdapterRunner>(
+        *station.adapter, ring, station.plan.node, assembly.map.hash(), station.plan.schedule);
+    await_others(experiment_, station.plan, *runner, ring);
+    return runner;
+  }
+
   // A late step delays those that follow until their time has come.
   void schedule(Runner& runner) const {
     const Duration late =
         options_.lateness ? options_.lateness(runner.station->plan.node, runner.due) : Duration{0};
     runner.start = std::max(runner.start, runner.due + std::max(late, Duration{0}));
+  }
+
+  // Leaves out the steps whose time has passed. Returns whether the next one is not due yet.
+  bool skips(Runner& runner) const {
+    const auto& schedule = runner.station->plan.schedule;
+    const std::uint64_t skipped = schedule.skipped_at(runner.start - runner.due);
+    runner.skipped += skipped;
+    runner.due += static_cast<Duration::rep>(skipped) * schedule.period;
+    const bool is_early = runner.start < runner.due;
+    runner.start = std::max(runner.start, runner.due);
+    return is_early;
+  }
+
+  // A step that awaits one of a late node comes after it.
+  bool postpones(Runner& runner) {
+    if (!runner.runner || !runner.runner->is_awaiting()) return false;
+    const Runner* next = nullptr;
+    for (const NodePlan* awaited : awaited_by(experiment_, runner.station->plan))
+      for (const auto& other : runners_)
+        if (other.station->plan.node == awaited->node && !other.finished &&
+            (next == nullptr || other.start < next->start))
+          next = &other;
+    const bool waits = next != nullptr && next->start < runner.due + adapters::kLongestAwaited;
+    if (waits)
+      runner.start = std::max(runner.start, next->start) + kAwaitedNap;
+    else
+      runner.runner->give_up_awaiting();
+    return waits;
   }
 
   // Empty if another host did not make its step.
@@ -128,9 +164,11 @@ class VirtualRun {
     if (options_.lateness) {
       clock_.sleep_until(runner.start);
       timing.late = runner.start - runner.due;
+      timing.skipped = runner.skipped;
       timing.clock = &clock_;
       timing.due = runner.due;
     }
+    runner.skipped = 0;
     const Status status = runner.runner->tick(runner.due, stopping_since_.has_value(), timing);
     runner.runner->keep(timing);
     look_for_request(runner, status);

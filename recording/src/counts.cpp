@@ -28,11 +28,24 @@ std::vector<double> at_each_count(const std::vector<double>& counter,
 }
 
 NodeTicks::NodeTicks(const Reader& run, const std::string& node)
-    : run_{run}, counter_{run.signal("monitor." + node + ".host.step")} {
+    : run_{run},
+      node_{"monitor." + node + "."},
+      counter_{run.signal(node_ + "host.step")} {
   const std::string flag = roles_of(run).new_target;
   const auto stop = at_each_count(counter_, run.has(flag) ? run.signal(flag) : counter_);
   const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });
   count_ = static_cast<std::size_t>(end - stop.begin());
+}
+
+double NodeTicks::interval() const {
+  const auto time = at_each_count(counter_, run_.time());
+  auto due = at_each_count(counter_, counter_);
+  if (const auto skips = node_ + "host.skipped"; run_.has(skips)) {
+    const auto skipped = at_each_count(counter_, run_.signal(skips));
+    for (std::size_t i = 0; i < due.size(); ++i) due[i] += skipped[i];
+  }
+  const std::size_t last = count_ - 1;
+  return (time[last] - time[0]) / (due[last] - due[0]);
 }
 
 std::vector<double> NodeTicks::values(const std::string& signal) const {

@@ -333,6 +333,8 @@ Analysis analyse(const std::filesystem::path& folder) {
   analysis.safety = safety_changes(run);
   const HostLateness host = lateness_of(run);
   analysis.host_late = host.late;
+  if (const auto attempt = open_if_there(folder / kRealTimeFile))
+    analysis.real_time = late_host_in(*attempt);
   const Roles roles = recording::roles_of(run);
   const Ticks ticks{run, roles};
   analysis.control_rate = 1 / ticks.interval();

@@ -157,6 +157,7 @@ struct Analysis {
   std::vector<HopAnalysis> hops;  ///< of a test on several hosts in real time
   std::vector<std::pair<std::string, std::int64_t>> drops;
   std::int64_t rows_missing = 0;  ///< of the recording
+  std::string real_time;          ///< how late the host was in real time; empty: not repeated
   Series host_late;               ///< largest of each interval [s]; empty in virtual time
   std::vector<NumericalAxis> numerical;
   std::vector<NumericalAxis> improved;  ///< with the improved model of a diagnosis

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/report/report.hpp>
+
 namespace rths::report {
 namespace {
 
@@ -310,6 +312,7 @@ Json numbers_of(const Analysis& analysis) {
   json["synthetic"] = analysis.synthetic;
   json["processes"] = analysis.processes;
   json["clock"] = analysis.clock;
+  json["real_time"] = analysis.real_time.empty() ? Json(nullptr) : Json(analysis.real_time);
   json["duration_s"] = rounded(analysis.duration, 6);
   json["planned_duration_s"] = analysis.planned_duration;
   json["ending"] = analysis.ending.empty() ? Json(nullptr) : Json(analysis.ending);
@@ -369,6 +372,10 @@ std::string summary_of(const Analysis& analysis) {
       fmt::format("{:.3f} s, {} steps, {} process{}, {} clock, {:.0f} Hz\n", analysis.duration,
                   count_of(steps), analysis.processes, analysis.processes == 1 ? "" : "es",
                   analysis.clock, analysis.control_rate);
+  if (!analysis.real_time.empty())
+    text += fmt::format("in real time the host was {}: {} has that attempt, all numbers here are of "
+                        "the repetition in virtual time\n",
+                        analysis.real_time, kRealTimeFile);
   if (!steps.predict.empty())
     text +=
         fmt::format("PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",

@@ -72,8 +72,10 @@ Break safety_of(const Reader& run) {
   const auto row = find_trip(run);
   if (!row) return operator_stop(run);
   const double limit = run.signal(prefix_of(run) + "limit")[*row];
+  const std::string late = lateness_before(run, run.time()[*row]);
   const auto cause = static_cast<SafetyCause>(run.signal(prefix_of(run) + "trip")[*row]);
-  return Broken{"safety", run.time()[*row], prefix_of(run) + "trip", text_of(run, *row),
+  return Broken{"safety", run.time()[*row], prefix_of(run) + "trip",
+                (late.empty() ? "" : late + ", then ") + text_of(run, *row),
                 limit > 0 ? fmt::format("at most {:.4g} {}", limit, to_text(cause).unit)
                           : "none, or a number"};
 }

@@ -11,13 +11,15 @@ namespace {
 
 // Tick interval between the first counted row and the first row of the final count, when the node
 // left.
-double period_of(const std::vector<double>& time, const std::vector<double>& counter) {
+double period_of(const std::vector<double>& time, const std::vector<double>& counter,
+                 const std::vector<double>& skipped) {
   const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
   const auto last = std::find(first, counter.end(), counter.back());
   const double counts = last == counter.end() ? 0 : *last - *first;
   if (!(counts > 0)) throw Error{"the recording contains no steps of the controller"};
   const auto row = [&](auto at) { return static_cast<std::size_t>(at - counter.begin()); };
-  return (time[row(last)] - time[row(first)]) / counts;
+  const double left_out = skipped[row(last)] - skipped[row(first)];
+  return (time[row(last)] - time[row(first)]) / (counts + left_out);
 }
 
 }  // namespace
@@ -25,7 +27,9 @@ double period_of(const std::vector<double>& time, const std::vector<double>& cou
 Ticks::Ticks(const recording::Reader& run, const recording::Roles& roles) : run_{run} {
   if (run.has("monitor." + roles.controller + ".host.step")) {
     ticks_.emplace(run, roles.controller);
-    interval_ = period_of(run.time(), ticks_->counter());
+    const std::string skips = "monitor." + roles.controller + ".host.skipped";
+    const auto skipped = run.has(skips) ? run.signal(skips) : std::vector<double>(run.rows(), 0);
+    interval_ = period_of(run.time(), ticks_->counter(), skipped);
     return;
   }
   rows_ = run.rows();

@@ -263,7 +263,9 @@
       ], { height: 200, logY: true, measured: true });
     } else {
       byId("host-note").textContent =
-        n.clock === "virtual" ? "This run was in virtual time. It makes no statement about real time."
+        n.clock === "virtual" ? "This run was in virtual time. It makes no statement about real time." +
+          (n.real_time ? ` Before, in real time, the host was ${n.real_time}: that attempt is in real_time.h5, ` +
+            "and no number on this page is from it." : "")
           : "The lateness of the host was not recorded. The run makes no statement about real time.";
     }
     table("nodes", ["node", "steps", "late p50 [ms]", "p99", "max", "overruns", "stale reads", "not recorded"],

@@ -113,11 +113,14 @@ class Echo final : public Adapter {
 
 class AdapterRunnerTest : public ::testing::Test {
  protected:
+  explicit AdapterRunnerTest(MissedSteps missed = MissedSteps::Make)
+      : runner{echo, ring, "echo", map.hash(), {milliseconds{1}, Duration{0}, missed}} {}
+
   memmap::Map map = memmap::parse_map(bench_map(), "bench");
   broker::Ring ring = broker::Ring::in_process(map);
   broker::Node sender = ring.join("sender", 0);
   Echo echo;
-  AdapterRunner runner{echo, ring, "echo", map.hash(), milliseconds{1}};
+  AdapterRunner runner;
 
   void send(double displacement) {
     const auto& entry = map.entry(map.signal("sender.displ"));
@@ -253,7 +256,7 @@ TEST(AdapterRunner, RefusesAPortInAnotherUnitThanTheMap) {
   Echo echo;
   echo.list[2].unit = "N";
 
-  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
+  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, {}); }),
             "node 'echo' writes 'echo.displ' in [N], the map gives [m]");
 }
 
@@ -288,7 +291,7 @@ TEST(AdapterRunner, HoldsItsInputsAndStopsItsAdapterIfTheRingIsLost) {
   broker::Ring ring = broker::Ring::create(name, map);
   broker::Node sender = ring.join("sender", 0);
   Echo echo;
-  AdapterRunner runner{echo, ring, "echo", map.hash(), milliseconds{1}};
+  AdapterRunner runner{echo, ring, "echo", map.hash(), {}};
   const auto& entry = map.entry(map.signal("sender.displ"));
   const std::uint32_t words[2] = {0, memmap::Codec{*entry.signal}.encode(0.5)};
   ASSERT_EQ(sender.write_group(ring.tear_group("sender"), words), Status::Ok);
@@ -307,7 +310,7 @@ TEST(AdapterRunner, RefusesAnOutputThatBelongsToAnotherNode) {
   Echo echo;
   echo.list[2].name = "sender.displ";
 
-  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
+  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, {}); }),
             "node 'echo' cannot write 'sender.displ', which belongs to 'sender'");
 }
 
@@ -316,7 +319,7 @@ TEST(AdapterRunner, RefusesASignalThatTheRingLacks) {
   Echo echo;
   echo.list[0].name = "sender.dspl";
 
-  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, milliseconds{1}); }),
+  EXPECT_EQ(test::error_of([&] { AdapterRunner(echo, ring, "echo", 0, {}); }),
             "node 'echo': map 'bench' has no signal 'sender.dspl' (did you mean 'sender.displ'?)");
 }
 
@@ -326,11 +329,11 @@ TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsDone) {
   echo.ends_after = 10;
 
   const LoopEnd end =
-      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{300'000}}, stopping);
+      run_loop(runner, clock, TimePoint{0}, stopping);
 
   EXPECT_EQ(end.status, Status::Done);
-  EXPECT_EQ(end.time, Duration{9'300'000});
-  EXPECT_EQ(clock.now(), Duration{9'300'000});
+  EXPECT_EQ(end.time, milliseconds{9});
+  EXPECT_EQ(clock.now(), milliseconds{9});
 }
 
 TEST_F(AdapterRunnerTest, LoopsUntilItIsToldToStop) {
@@ -338,7 +341,7 @@ TEST_F(AdapterRunnerTest, LoopsUntilItIsToldToStop) {
   std::atomic<bool> stopping{false};
   LoopEnd end;
   std::thread loop{[&] {
-    end = run_loop(runner, clock, clock.now(), {milliseconds{1}, Duration{0}}, stopping);
+    end = run_loop(runner, clock, clock.now(), stopping);
   }};
   while (sender.beats_of(map.node("echo")) < 5) std::this_thread::yield();
 
@@ -353,7 +356,7 @@ TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsAtFault) {
   const std::atomic<bool> stopping{false};
   echo.result = Status::Fault;
 
-  EXPECT_EQ(run_loop(runner, clock, TimePoint{0}, {}, stopping).status, Status::Fault);
+  EXPECT_EQ(run_loop(runner, clock, TimePoint{0}, stopping).status, Status::Fault);
 }
 
 TEST_F(AdapterRunnerTest, LoopsInRealTime) {
@@ -362,7 +365,7 @@ TEST_F(AdapterRunnerTest, LoopsInRealTime) {
   echo.ends_after = 10;
   LoopEnd end;
 
-  EXPECT_REALTIME(end = run_loop(runner, clock, TimePoint{0}, {}, stopping));
+  EXPECT_REALTIME(end = run_loop(runner, clock, TimePoint{0}, stopping));
 
   EXPECT_EQ(end.status, Status::Done);
 }
@@ -375,10 +378,129 @@ TEST_F(AdapterRunnerTest, RunsMissedStepsAfterwards) {
   echo.ends_after = 50;
 
   const LoopEnd end =
-      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{0}}, stopping);
+      run_loop(runner, clock, TimePoint{0}, stopping);
 
   EXPECT_EQ(end.time, milliseconds{49});
   EXPECT_EQ(clock.now(), milliseconds{50});
+}
+
+class SkippingRunnerTest : public AdapterRunnerTest {
+ protected:
+  SkippingRunnerTest() : AdapterRunnerTest{MissedSteps::Skip} {}
+};
+
+// Late by 5.4 steps, it goes on with the one that is due: five are left out and counted.
+TEST_F(SkippingRunnerTest, GoesOnWithTheStepThatIsDue) {
+  VirtualClock clock;
+  clock.sleep_until(Duration{5'400'000});
+  const std::atomic<bool> stopping{false};
+  echo.ends_after = 1;
+
+  const LoopEnd end = run_loop(runner, clock, TimePoint{0}, stopping);
+
+  EXPECT_EQ(end.time, milliseconds{5});
+  EXPECT_EQ(value("monitor.echo.host.step"), 1);
+  EXPECT_EQ(value("monitor.echo.host.skipped"), 5);
+}
+
+class DueRunnerTest : public AdapterRunnerTest {
+ protected:
+  DueRunnerTest() : AdapterRunnerTest{MissedSteps::MakeDue} {}
+
+  /// The sender writes and dates it, late or not.
+  void send_at(TimePoint now, double displacement, Duration late = Duration{0}) {
+    send(displacement);
+    sender.beat(now, late);
+  }
+
+  /// Steps that are due at 1, 2 and 3 ms, made at 3.2 ms. @returns what each one read [m]
+  std::vector<double> inputs_of_late_steps() {
+    VirtualClock clock;
+    clock.sleep_until(Duration{3'200'000});
+    std::vector<double> inputs;
+    for (const Duration due : {milliseconds{1}, milliseconds{2}, milliseconds{3}}) {
+      Timing timing;
+      timing.late = clock.now() - due;
+      timing.clock = &clock;
+      timing.due = due;
+      static_cast<void>(runner.tick(due, false, timing));
+      inputs.push_back(echo.input);
+    }
+    return inputs;
+  }
+};
+
+// The sender writes at 0.5, 1.5 and 2.5 ms. The steps of 1 and 2 ms, which are missed, take what was
+// there at their time; that of 3 ms takes the newest.
+TEST_F(DueRunnerTest, MakesMissedStepsWithTheInputsOfTheirOwnTime) {
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+  send_at(Duration{500'000}, 0.1);
+  send_at(Duration{1'500'000}, 0.2);
+  send_at(Duration{2'500'000}, 0.3);
+
+  const auto inputs = inputs_of_late_steps();
+
+  EXPECT_NEAR(inputs[0], 0.1, 1e-8);
+  EXPECT_NEAR(inputs[1], 0.2, 1e-8);
+  EXPECT_NEAR(inputs[2], 0.3, 1e-8);
+}
+
+// As if the whole host was stopped: the sender makes its missed steps, then this node.
+TEST_F(DueRunnerTest, ReadsTheMissedStepsOfAnotherNodeAsOfTheirTime) {
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+  send_at(Duration{3'200'000}, 0.1, Duration{2'700'000});
+  send_at(Duration{3'200'000}, 0.2, Duration{1'700'000});
+  send_at(Duration{3'200'000}, 0.3, Duration{700'000});
+
+  const auto inputs = inputs_of_late_steps();
+
+  EXPECT_NEAR(inputs[0], 0.1, 1e-8);
+  EXPECT_NEAR(inputs[1], 0.2, 1e-8);
+  EXPECT_NEAR(inputs[2], 0.3, 1e-8);
+}
+
+// What the sender writes after its heartbeat has no time yet.
+TEST_F(DueRunnerTest, ReadsNothingUndatedInAMissedStep) {
+  static_cast<void>(runner.tick(Duration{0}, false, {}));
+  send_at(Duration{500'000}, 0.1);
+  send(0.2);
+
+  const auto inputs = inputs_of_late_steps();
+
+  EXPECT_NEAR(inputs[1], 0.1, 1e-8);
+  EXPECT_NEAR(inputs[2], 0.2, 1e-8);
+}
+
+TEST_F(DueRunnerTest, MakesMissedStepsInRealTime) {
+  VirtualClock clock;
+  clock.sleep_until(milliseconds{2});
+  send_at(Duration{500'000}, 0.1);
+  Timing timing;
+  timing.late = milliseconds{1};
+  timing.clock = &clock;
+  timing.due = milliseconds{1};
+
+  EXPECT_REALTIME(static_cast<void>(runner.tick(milliseconds{1}, false, timing)));
+}
+
+// The awaited node is this one itself, which makes no step meanwhile.
+TEST_F(AdapterRunnerTest, AwaitsAStepForALimitedTime) {
+  VirtualClock clock;
+  const std::atomic<bool> stopping{false};
+  runner.await_steps_of("echo", false, ring);
+  EXPECT_TRUE(runner.is_awaiting());
+  echo.ends_after = 1;
+
+  EXPECT_REALTIME(static_cast<void>(run_loop(runner, clock, TimePoint{0}, stopping)));
+
+  EXPECT_EQ(clock.now(), kLongestAwaited);
+  EXPECT_FALSE(runner.is_awaiting());
+}
+
+TEST_F(AdapterRunnerTest, MakesTheFirstStepWithoutAwaitingAnother) {
+  runner.await_steps_of("echo", true, ring);
+
+  EXPECT_FALSE(runner.is_awaiting());
 }
 
 TEST_F(AdapterRunnerTest, KeepsTheTimesOfScheduledStepsUntilAsManyAreKept) {
@@ -389,7 +511,7 @@ TEST_F(AdapterRunnerTest, KeepsTheTimesOfScheduledStepsUntilAsManyAreKept) {
   runner.keep_times(4);
 
   static_cast<void>(
-      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{0}}, stopping));
+      run_loop(runner, clock, TimePoint{0}, stopping));
   Timing early;
   early.is_early = true;
   EXPECT_REALTIME(runner.keep(early));
@@ -415,7 +537,7 @@ TEST_F(AdapterRunnerTest, MeasuresTheAgeOfTheInputsAfterTheyAreRead) {
   echo.ends_after = 1;
 
   static_cast<void>(
-      run_loop(runner, clock, TimePoint{0}, {milliseconds{1}, Duration{0}}, stopping));
+      run_loop(runner, clock, TimePoint{0}, stopping));
 
   EXPECT_EQ(value("monitor.echo.host.late"), 0.003F);
   EXPECT_EQ(echo.oldest, 0.006);

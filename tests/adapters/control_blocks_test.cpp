@@ -321,13 +321,14 @@ TEST(HybridController, StepsInRealTime) {
 TEST(HybridController, RefusesASamplingDelayThatIsNoPartOfTheStep) {
   const auto refusal = [](const std::string& delays) {
     std::string text = test::content_of(hybrid_controller());
-    text.replace(text.find("slow_down_from = 0.6"), 20, "sampling_delay_s = " + delays);
+    constexpr std::string_view kAt = "hold_at = 0.5";
+    text.replace(text.find(kAt), kAt.size(), "sampling_delay_s = " + delays);
     return test::error_of(
         [&] { static_cast<void>(make_simulink_like_from_text(text, "d.toml", {})); });
   };
 
   EXPECT_NE(refusal("[0.008, 0.008]")
-                .find("the sampling delay is 0.80 of the step, expected less than 0.8"),
+                .find("the sampling delay is 0.80 of the step, expected less than 0.7"),
             std::string::npos);
   EXPECT_NE(
       refusal("[-0.001, 0]").find("sampling_delay_s of axis 'long' is -0.001, expected 0 to 10"),

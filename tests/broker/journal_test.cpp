@@ -163,7 +163,7 @@ TEST(Journal, IsWrittenAndReadInRealTime) {
   std::array<std::uint32_t, 20> read{};
   bool whole = false;
   EXPECT_REALTIME(writer.word(1, 2));
-  EXPECT_REALTIME(writer.time(3));
+  EXPECT_REALTIME(writer.time(3, Duration{0}));
   EXPECT_REALTIME(writer.group(0, words, 0));
   const std::uint64_t position = end_of(journal.view) - group_entries(words.size());
   EXPECT_REALTIME(whole = read_journalled_group(journal.view, position, 0, read));

@@ -117,21 +117,55 @@ TEST(PredictorCorrector, FreezesAtTheHoldPointWhenTheTargetNeverArrives) {
     EXPECT_NEAR(pc.counter(), 100 * (1 + slow_down_from) / 2, 1e-6);
     EXPECT_NEAR(pc.command()[0], before, 1e-9);
     EXPECT_GT(before, 1.5);  // it overshot the target
-    // A held command has zero rates, although the polynomial has a slope there.
-    EXPECT_NEAR(pc.command_velocity()[0], 0, 1e-9);
-    EXPECT_NEAR(pc.command_acceleration()[0], 0, 1e-9);
+    // It waits since the hold point, but its rates are those of its path.
+    EXPECT_GT(std::abs(pc.command_velocity()[0]), 1);
+    const double period = 0.01 / 100;
+    const double held = (3000 - 100 - pc.counter()) * period;
+    EXPECT_NEAR(pc.lost_time(), held, 2 * period);
   }
 }
 
-// Compares the velocity with differences of the command through predictions, corrections,
-// slow-downs and recoveries.
-TEST(PredictorCorrector, GivesTheVelocityOfItsCommandInEveryState) {
+TEST(PredictorCorrector, HoldsWhereItIsTold) {
+  auto s = settings(100, 0.4);
+  s.hold_at = 0.5;
+  PredictorCorrector pc{s};
+  pc.substep(false, target_at(0));
+  for (int substep = 0; substep < 3000; ++substep) pc.substep(substep == 0, target_at(1));
+
+  EXPECT_NEAR(pc.counter(), 50, 1e-6);
+  s.hold_at = 0.4;
+  EXPECT_THROW(PredictorCorrector{s}, Error);
+}
+
+// In steady motion: the command waits for three substeps, then goes on where it was.
+TEST(PredictorCorrector, WaitsWithoutLeavingItsPath) {
+  const auto s = settings(100, 0.6);
+  PredictorCorrector pc{s}, waiting{s};
+  for (int substep = 0; substep < 250; ++substep) {
+    const bool arrives = substep % 100 == 1;
+    pc.substep(arrives, target_at(1));
+    waiting.substep(arrives, target_at(1));
+  }
+  const double before = waiting.command()[0];
+
+  for (int i = 0; i < 3; ++i) waiting.wait();
+
+  EXPECT_EQ(waiting.command()[0], before);
+  EXPECT_NEAR(waiting.lost_time(), 3 * s.simulation_step / s.substeps, 1e-12);
+  pc.substep(false, target_at(1));
+  waiting.substep(false, target_at(1));
+  EXPECT_EQ(waiting.command()[0], pc.command()[0]);
+}
+
+// Compares the velocity with differences of the command over the time of its path, through
+// predictions, corrections, slow-downs and recoveries.
+TEST(PredictorCorrector, GivesTheVelocityAlongItsPathInEveryState) {
   auto s = settings(1000, 0.6);
   PredictorCorrector pc{s};
   pc.substep(false, target_at(0));
   const double period = s.simulation_step / s.substeps;
   std::vector<double> command;
-  std::vector<double> velocity;
+  std::vector<double> velocity, path;
   std::vector<bool> ends_a_branch;
   std::map<PcState, int> seen;
   int next = 0;
@@ -142,17 +176,20 @@ TEST(PredictorCorrector, GivesTheVelocityOfItsCommandInEveryState) {
     pc.substep(arrives, target_at(std::sin(0.2 * step)));
     command.push_back(pc.command()[0]);
     velocity.push_back(pc.command_velocity()[0]);
+    path.push_back(substep * period - pc.lost_time());
     // The last substep of a step may be cut short, so that the counter ends at N.
     ends_a_branch.push_back(arrives || pc.counter() <= 1 || pc.counter() >= s.substeps);
     ++seen[pc.state()];
   }
 
   ASSERT_EQ(seen.size(), 3U);
-  // Central differences of a motion of 20 m/s. In a slow-down the pace changes by 1/200 a substep.
+  // Central differences of a motion of 20 m/s, over a path whose pace changes by 1/200 a substep.
   int compared = 0;
   for (std::size_t i = 1; i + 1 < command.size(); ++i) {
     if (ends_a_branch[i - 1] || ends_a_branch[i] || ends_a_branch[i + 1]) continue;
-    const double difference = (command[i + 1] - command[i - 1]) / (2 * period);
+    const double way = path[i + 1] - path[i - 1];
+    if (way < 0.01 * period) continue;  // it stands
+    const double difference = (command[i + 1] - command[i - 1]) / way;
     EXPECT_NEAR(velocity[i], difference, 20.0 / 200) << i;
     ++compared;
   }

@@ -51,7 +51,7 @@ TEST_P(Smoothing, LeavesMotionOfTheFourthOrderAsItIs) {
     smoothing.advance(past[0]);
   }
 
-  const auto sharp = smoothing.sharp();
+  const auto sharp = smoothing.sharpened(smoothing.smoothed());
   double binomial[5] = {1, 0, 0, 0, 0}, scale = 1;  // of Dᵏ
   for (int k = 0; k < 5; ++k, scale /= kPeriod) {
     double difference = 0;
@@ -95,8 +95,8 @@ TEST(TargetSmoothing, StartsAtRest) {
   TargetSmoothing smoothing{kAll};
   smoothing.advance(0.25);
   EXPECT_NEAR(smoothing.smoothed()[0], 0.25, 1e-12);
-  EXPECT_NEAR(smoothing.sharp()[0], 0.25, 1e-12);
-  EXPECT_NEAR(smoothing.sharp()[2], 0, 1e-6);
+  EXPECT_NEAR(smoothing.sharpened(smoothing.smoothed())[0], 0.25, 1e-12);
+  EXPECT_NEAR(smoothing.sharpened(smoothing.smoothed())[2], 0, 1e-6);
 }
 
 TEST(TargetSmoothing, RefusesSettingsOutOfRange) {
@@ -114,7 +114,7 @@ TEST(TargetSmoothing, RefusesSettingsOutOfRange) {
 TEST(TargetSmoothing, WorksInRealTime) {
   TargetSmoothing smoothing{kAll};
   TargetSmoothing::Derivatives sharp;
-  EXPECT_REALTIME(smoothing.advance(0.1); sharp = smoothing.sharp());
+  EXPECT_REALTIME(smoothing.advance(0.1); sharp = smoothing.sharpened(smoothing.smoothed()));
   EXPECT_TRUE(sharp.allFinite());
 }
 

@@ -45,7 +45,7 @@ NodeSettings read_numerical(const std::string& /*node*/, const Config& table,
                             const TestSetup& /*setup*/) {
   NodeSettings settings;
   settings.role = Role::Solver;
-  settings.schedule = schedule_of(kPeriod, kPhase);
+  settings.schedule = schedule_of(kPeriod, kPhase, MissedSteps::Skip);
   settings.priority = 40;
   settings.integrates_plant = true;
   settings.make = [handshake = read_handshake(table), vertical = read_vertical_feedback(table)](

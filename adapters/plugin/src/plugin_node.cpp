@@ -48,6 +48,10 @@ NodeSettings read_role(const Config& table) {
   NodeSettings settings;
   settings.role = role.role;
   settings.schedule = adapters::schedule_of(role.period, role.phase);
+  if (role.role == Role::Controller) settings.schedule.missed = adapters::MissedSteps::MakeDue;
+  if (role.role == Role::Machine)
+    settings.schedule.missed =
+        adapters::read_late_inputs(table, "newest", adapters::MissedSteps::MakeDue);
   settings.priority = role.priority;
   settings.keeps_times = role.role != Role::Solver;
   return settings;

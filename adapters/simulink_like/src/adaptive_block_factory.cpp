@@ -9,7 +9,7 @@
 namespace rths::adapters {
 
 Block make_adaptive_inverse(const Config& table, const BlockContext& context) {
-  AdaptiveInverseBlock block_kind{{}, Fade{context.period / kFadeTime}};
+  AdaptiveInverseBlock block_kind{{}, Fade{context.period / kFadeTime}, context.period};
   for (const auto& settings : adaptive_inverse_settings(table, context.run.axes, context.period))
     block_kind.compensators.push_back(
         table.placed("name", [&] { return controller::AdaptiveInverse{settings}; }));
@@ -17,9 +17,8 @@ Block make_adaptive_inverse(const Config& table, const BlockContext& context) {
   block.inputs = {{"command", kPerAxis, "m"},
                   {"measured", kPerAxis, "m"},
                   {"force", kPerAxis, "N"},
-                  {"velocity", kPerAxis, "m/s", true},
-                  {"acceleration", kPerAxis, "m/s2", true},
-                  {"state", kSingle, "1", true}};
+                  {"lost_time", kSingle, "s", true},
+                  {"is_force_ahead", kSingle, "1", true}};
   block.outputs = {
       {"reference", kPerAxis, "m"}, {"a0", kPerAxis, "1"},        {"a1", kPerAxis, "s"},
       {"a2", kPerAxis, "s2"},       {"a3", kPerAxis, ""},         {"load", kPerAxis, ""},
@@ -68,7 +67,8 @@ Block make_target_force(const Config& table, const BlockContext& context) {
                   {"command_acceleration", kPerAxis, "m/s2", true}};
   block.outputs = {{"force", kPerAxis, "N"},      {"correction", kPerAxis, "N"},
                    {"strength", kSingle, "N"},    {"learning", kSingle, "1"},
-                   {"bad_samples", kSingle, "1"}, {"ahead", kPerAxis, "N"}};
+                   {"bad_samples", kSingle, "1"}, {"ahead", kPerAxis, "N"},
+                   {"is_ahead", kSingle, "1"}};
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {

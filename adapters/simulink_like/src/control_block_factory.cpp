@@ -34,7 +34,7 @@ std::vector<int> read_sampling_delays(const Config& table, const BlockContext& c
       case controller::DelayRating::Refused:
         table.fail("sampling_delay_s",
                    fmt::format("the sampling delay is {:.2f} of the step, expected less than {:g}",
-                               ratio, controller::refused_delay_ratio(settings.slow_down_from)));
+                               ratio, controller::refused_delay_ratio(settings)));
     }
   }
   return delays;
@@ -111,7 +111,8 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
                    {"predict_time", kSingle, "s"},
                    {"slow_down_time", kSingle, "s"},
                    {"targets", kSingle, "1"},
-                   {"target_time", kSingle, "s"}};
+                   {"target_time", kSingle, "s"},
+                   {"lost_time", kSingle, "s"}};
   const auto delays =
       is_single ? std::vector<int>(1) : read_sampling_delays(table, context, settings);
   block.kind = table.placed("name", [&] {

@@ -41,6 +41,11 @@ void PredictorCorrectorBlock::count(const Wires& w, bool new_target) noexcept {
 }
 
 void PredictorCorrectorBlock::step(const Wires& w) noexcept {
+  if (w.is_missed) {
+    command_.wait();
+    *w.out[15] = command_.lost_time();
+    return;
+  }
   copy_in(w.in[1], target_.displacement);
   copy_in(w.in[2], displacement_);
   copy_in(w.in[3], force_);
@@ -59,6 +64,7 @@ void PredictorCorrectorBlock::step(const Wires& w) noexcept {
   *w.out[7] = static_cast<double>(command_.state());
   *w.out[8] = command_.counter();
   *w.out[9] = exchange_.stopped() ? 1 : 0;
+  *w.out[15] = command_.lost_time();
   count(w, new_target);
 }
 
@@ -84,11 +90,13 @@ void AtsBlock::step(const Wires& w) noexcept {
 void AdaptiveInverseBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
   const bool adapt = *w.parameter[1] != 0;
-  const bool is_slowed = *w.in[5] == static_cast<double>(controller::PcState::AutoSlowDown);
+  // The force ahead is that of the last tick's command.
+  const double now = pace(*w.in[3], period);
+  const controller::Pace progress{now, *w.in[4] != 0 ? last_share : 1};
+  last_share = now;
   for (std::size_t i = 0; i < compensators.size(); ++i) {
     auto& inverse = compensators[i];
-    const controller::CommandRates rates{w.in[3][i], w.in[4][i], is_slowed};
-    w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt, rates);
+    w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt, progress);
     const controller::InverseCoefficients found = inverse.coefficients();
     w.out[1][i] = found.a0;
     w.out[2][i] = found.a1;
@@ -144,6 +152,7 @@ void TargetForceBlock::step(const Wires& w) noexcept {
   *w.out[2] = force.strengths().sum();
   *w.out[3] = force.learning() ? 1 : 0;
   *w.out[4] = static_cast<double>(force.bad_samples());
+  *w.out[6] = leads ? 1 : 0;
 }
 
 void VerticalForceBlock::step(const Wires& w) noexcept {
@@ -151,7 +160,8 @@ void VerticalForceBlock::step(const Wires& w) noexcept {
   const double measured = *w.in[1];
   const double wanted = is_cascade ? cascade.step(target, measured)
                                    : lead.step(target, measured, length_of(w.in[2], w.axes),
-                                               length_of(w.in[3], w.axes), *w.parameter[0] != 0);
+                                               length_of(w.in[3], w.axes), *w.parameter[0] != 0,
+                                               pace(*w.in[4], period));
   if (!first) first = wanted;
   *w.out[0] = std::clamp(wanted - *first, -limit, limit);
   *w.out[1] = lead.disturbance();

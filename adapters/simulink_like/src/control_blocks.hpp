@@ -11,6 +11,7 @@
 #include <rths/controller/feed_forward.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/lag_correction.hpp>
+#include <rths/controller/path_sampler.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_exchange.hpp>
@@ -58,6 +59,9 @@ struct AtsBlock {
 struct AdaptiveInverseBlock {
   std::vector<controller::AdaptiveInverse> compensators;
   Fade fade;
+  double period;  ///< [s]
+  controller::PaceMeter pace = {};
+  double last_share = 1;
   void step(const Wires& w) RTHS_REALTIME;
 };
 
@@ -94,7 +98,9 @@ struct VerticalForceBlock {
   controller::ForceCascade cascade;
   bool is_cascade;
   double limit;                                ///< of the reference ± [m]
+  double period;                               ///< [s]
   std::optional<double> first = std::nullopt;  ///< reference [m]
+  controller::PaceMeter pace = {};
   void step(const Wires& w) RTHS_REALTIME;
 };
 

@@ -306,26 +306,28 @@ void Diagram::bind_monitors(const WiredBlock& wired) {
 
 std::vector<Port> Diagram::ports() const { return ports_; }
 
-void Diagram::run(const std::vector<std::size_t>& blocks, double time) noexcept {
+void Diagram::run(const std::vector<std::size_t>& blocks, double time,
+                  bool is_missed) noexcept {
   for (const auto i : blocks) {
     WiredBlock& wired = blocks_[i];
     wired.wires.time = time;
+    wired.wires.is_missed = is_missed;
     std::visit([&](auto& kind) { kind.step(wired.wires); }, wired.block.kind);
   }
 }
 
-void Diagram::step(double time, std::span<const double> inputs,
+void Diagram::step(double time, bool is_missed, std::span<const double> inputs,
                    std::span<double> outputs) noexcept {
   const auto update = [&](const std::vector<std::size_t>& delays) {
     for (const auto i : delays) std::get<UnitDelay>(blocks_[i].block.kind).update(blocks_[i].wires);
   };
   for (const auto& copy : copies_in_) values_[copy.inside] = inputs[copy.outside];
-  run(before_, time);
+  run(before_, time, is_missed);
   for (int substep = 0; substep < substeps_; ++substep) {
-    run(fast_, time + substep * period_ / substeps_);
+    run(fast_, time + substep * period_ / substeps_, is_missed);
     update(fast_delays_);
   }
-  run(after_, time);
+  run(after_, time, is_missed);
   update(base_delays_);
   for (const auto& copy : copies_out_) outputs[copy.outside] = values_[copy.inside];
 }

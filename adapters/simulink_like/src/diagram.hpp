@@ -26,8 +26,10 @@ class Diagram {
   [[nodiscard]] double period() const { return period_; }  ///< [s]
 
   /// Runs one base period: copies inputs and parameters in, runs the blocks, copies monitors and
-  /// ring outputs out.   @realtime
-  void step(double time, std::span<const double> inputs, std::span<double> outputs) RTHS_REALTIME;
+  /// ring outputs out.
+  /// @param is_missed  made after its time: a command waits   @realtime
+  void step(double time, bool is_missed, std::span<const double> inputs,
+            std::span<double> outputs) RTHS_REALTIME;
   /// Whether a stop block was triggered.   @realtime
   [[nodiscard]] bool stop_requested() const RTHS_REALTIME;
   /// Indices of the outputs that ramp when the run stops.
@@ -75,7 +77,7 @@ class Diagram {
   void bind_parameters(const WiredBlock& wired);
   void bind_ring_output(const WiredBlock& wired);
   void bind_monitors(const WiredBlock& wired);
-  void run(const std::vector<std::size_t>& blocks, double time) noexcept;
+  void run(const std::vector<std::size_t>& blocks, double time, bool is_missed) noexcept;
 
   DiagramContext context_;
   double period_;

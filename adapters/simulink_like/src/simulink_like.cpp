@@ -36,7 +36,7 @@ Status SimulinkLike::step(StepData& step) noexcept {
       if (std::isfinite(step.outputs[ramped[i]])) held_[i] = step.outputs[ramped[i]];
     if (step.stopping) stopped_at_ = step.time;
   }
-  diagram_.step(step.time, step.inputs, step.outputs);
+  diagram_.step(step.time, step.is_missed, step.inputs, step.outputs);
   if (stopped_at_ < 0 && diagram_.stop_requested()) stopped_at_ = step.time;
   if (stopped_at_ < 0) return Status::Ok;
   const double since = step.time - stopped_at_;

@@ -70,7 +70,8 @@ Block make_vertical_force(const Config& table, const BlockContext& context) {
   block.inputs = {{"target", kSingle, "N"},
                   {"measured", kSingle, "N"},
                   {"horizontal_target", kPerAxis, "m", true},
-                  {"horizontal", kPerAxis, "m", true}};
+                  {"horizontal", kPerAxis, "m", true},
+                  {"lost_time", kSingle, "s", true}};
   block.outputs = {{"reference", kSingle, "m"},  {"disturbance", kSingle, "m"},
                    {"a0", kSingle, "1"},         {"a1", kSingle, "s"},
                    {"learning", kSingle, "1"},   {"clipped", kSingle, "1"},
@@ -78,7 +79,8 @@ Block make_vertical_force(const Config& table, const BlockContext& context) {
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {
     return VerticalForceBlock{controller::VerticalForceControl{lead},
-                              controller::ForceCascade{cascade}, is_cascade, limit};
+                              controller::ForceCascade{cascade}, is_cascade, limit,
+                              context.period};
   });
   return block;
 }

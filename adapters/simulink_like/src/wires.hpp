@@ -13,7 +13,8 @@ struct Wires {
   std::vector<double*> out;
   std::vector<const double*> parameter;
   std::size_t axes = 0;
-  double time = 0;  ///< of the step [s]
+  double time = 0;         ///< of the step [s]
+  bool is_missed = false;  ///< the step is made after its time
 };
 
 }  // namespace rths::adapters

@@ -26,10 +26,11 @@ std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context
 }
 
 // A machine file with the changes of the experiment, and the member of its family.
-sim::machine::FamilyMember read_member(const Config& table) {
-  const Config file = Config::load(find_file(table, "model", "machines"));
-  const auto nominal =
-      sim::machine::read_platen_machine(file.overlaid(table.table_or_empty("changes")));
+sim::machine::FamilyMember read_member(const Config& table, NodeSettings& settings) {
+  const Config file = Config::load(find_file(table, "model", "machines"))
+                          .overlaid(table.table_or_empty("changes"));
+  settings.schedule.missed = read_late_inputs(file, "due", MissedSteps::Wait);
+  const auto nominal = sim::machine::read_platen_machine(file.without("late_inputs"));
   const auto index = table.integer_in("family_member", 0, sim::machine::kFamilySize, 0);
   return sim::machine::family_member(nominal, static_cast<int>(index));
 }
@@ -72,8 +73,10 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
   settings.priority = 60;
   settings.keeps_times = true;
   settings.make = make;
+  if (!table.has("model"))
+    settings.schedule.missed = read_late_inputs(table, "due", MissedSteps::Wait);
   if (table.has("model"))
-    settings.make = [member = read_member(table)](const TestSetup& test,
+    settings.make = [member = read_member(table, settings)](const TestSetup& test,
                                                   const NodeContext& context) {
       return test.has_identified_machine ? make(test, context) : make_platen(member, test, context);
     };
@@ -84,7 +87,7 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,
                                 const TestSetup& /*setup*/) {
   NodeSettings settings;
-  settings.schedule = schedule_of(kPeriod, 0.3 * kPeriod);
+  settings.schedule = schedule_of(kPeriod, 0.3 * kPeriod, MissedSteps::Wait);
   settings.make = [](const TestSetup& setup, const NodeContext&) {
     return make_ideal_machine(
         {setup.specimen, setup.axes, setup.integration_step, setup.simulation_step()});

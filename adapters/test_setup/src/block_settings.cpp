@@ -80,6 +80,7 @@ std::vector<double> per_axis(const Config& table, const std::string& key,
 controller::PredictorCorrectorSettings predictor_corrector_settings(const Config& table) {
   controller::PredictorCorrectorSettings settings;
   settings.slow_down_from = table.number_in("slow_down_from", 0.1, 0.95, settings.slow_down_from);
+  settings.hold_at = table.number_in("hold_at", 0, 0.99, settings.hold_at);
   settings.predictor = read_polynomial(table, "predictor");
   settings.corrector = read_polynomial(table, "corrector");
   settings.targets_carry_rates = table.flag("targets_carry_rates", false);

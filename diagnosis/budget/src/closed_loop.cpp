@@ -96,7 +96,7 @@ Response run_with_fine_steps(const HybridTest& test, Parts identified) {
     const std::size_t tick = first + n - 1;
     const Vector2d target = along_tested(test, analysis.predict());
     const Vector2d velocity = along_tested(test, analysis.predicted_velocity()) / test.rate;
-    last = {target, velocity, (velocity - last.velocity) / test.period};
+    last = {target, velocity, (velocity - last.velocity) / test.period, {}};
     laboratory.send(compensator(tick, last, laboratory.specimen_force()), last);
     laboratory.move_until(tick + 1, compression(test, analysis));
     analysis.correct(along_tested(test, laboratory.feed_back(target, last)));
@@ -147,19 +147,25 @@ class SteppedRun {
   // One tick of the controller, after those of the machine: the integrator answers it.
   void step() {
     laboratory_.move_until(tick_, load_);
+    const bool waits = is_late_ && test_.order.is_missed(tick_);
+    if (waits && tick_ == arrival_) ++arrival_;
     const bool arrives = tick_ == arrival_;
     if (arrives) arrived_ = target_.displacement;
     const Vector2d& force = laboratory_.feed_back(arrived_, sent_);
     if (arrives) append(target_.displacement, response_);
     const auto substeps =
         std::max(1L, std::lround(settings_.substeps * test_.period / settings_.simulation_step));
-    for (long i = 0; i < substeps; ++i) {
+    for (long i = 0; i < substeps && waits; ++i) command_.wait();
+    for (long i = 0; i < substeps && !waits; ++i) {
       const bool is_new = exchange_.begin(arrives ? 1 : 0);
       command_.substep(is_new, target_);
       exchange_.end(command_, laboratory_.displacement(), force);
     }
-    sent_ = {command_.command(), command_.command_velocity(), command_.command_acceleration(),
-             command_.state() == controller::PcState::AutoSlowDown};
+    const bool is_force_ahead = test_.target_force && test_.target_force->lead_time > 0;
+    sent_ = {command_.command(),
+             command_.command_velocity(),
+             command_.command_acceleration(),
+             {pace_(command_.lost_time(), test_.period), is_force_ahead ? sent_.pace.share : 1}};
     laboratory_.send(compensator_(tick_, sent_, laboratory_.specimen_force()), sent_);
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();
@@ -187,6 +193,7 @@ class SteppedRun {
   DrivenLaboratory laboratory_;
   controller::PredictorCorrectorSettings settings_;
   controller::PredictorCorrector command_;
+  controller::PaceMeter pace_;
   controller::TargetExchange exchange_;
   controller::Target target_;
   std::size_t tick_ = 0, arrival_;
@@ -201,7 +208,8 @@ class SteppedRun {
 
 TickOrder order_of(const TickTimes& machine, const TickTimes& controller) {
   TickOrder order;
-  bool is_on_time = true;
+  order.missed = controller.missed;
+  bool is_on_time = std::find(order.missed.begin(), order.missed.end(), true) == order.missed.end();
   const std::size_t moves = machine.begin.size(), answers = controller.begin.size();
   for (std::size_t n = 0, m = 0; n < answers; ++n) {
     while (m < moves && machine.end[m] <= controller.begin[n]) ++m;

@@ -31,8 +31,7 @@ double Compensator::reference_of(std::size_t axis, std::size_t tick, const Comma
   const auto i = static_cast<Eigen::Index>(axis);
   const double x = command.displacement[i];
   if (const auto* sent = std::get_if<SentInverse>(&test_.compensation[axis])) {
-    inverse_[axis]->advance(x, force,
-                            {command.velocity[i], command.acceleration[i], command.is_slowed});
+    inverse_[axis]->advance(x, force, command.pace);
     return inverse_[axis]->reference(at(sent->coefficients, tick), 1);
   }
   const auto& sent = std::get<std::vector<Lead>>(test_.compensation[axis]);

@@ -8,12 +8,12 @@
 
 namespace rths::budget {
 
-/// Command of the controller, in one tick.
+/// Command of the controller, in one tick. Its rates are along its path.
 struct Command {
   Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< [m]
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< [m/s]
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [m/s²]
-  bool is_slowed = false;                                  ///< its target is late
+  controller::Pace pace;
 };
 
 /// The compensation as it ran: the references that it sent for a command.

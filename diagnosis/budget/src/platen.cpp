@@ -54,7 +54,10 @@ Vector2d MachineOwnForce::operator()(const Platen& platen, double time,
 }
 
 Motion IdealTransfer::asked_by(const Command& command) noexcept {
-  auto q = quantities_of({command.displacement, command.velocity, command.acceleration}, time_, 0);
+  const double pace = command.pace.share;
+  auto q = quantities_of(
+      {command.displacement, pace * command.velocity, pace * pace * command.acceleration}, time_,
+      0);
   actuator_.advance(q);
   time_ += period_;
   return {{q.displacement[0], q.displacement[1]},

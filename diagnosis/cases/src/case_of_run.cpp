@@ -33,12 +33,6 @@ NodeTicks ticks_of(const Reader& run, const std::string& node) {
   return ticks;
 }
 
-// Mean time from tick to tick [s].
-double interval_of(const Reader& run, const NodeTicks& ticks) {
-  const auto time = at_each_count(ticks.counter(), run.time());
-  return (time[ticks.count() - 1] - time[0]) / static_cast<double>(ticks.count() - 1);
-}
-
 // Difference of two nodes' tick counters at the same instant: nodes start one after the other. The
 // median removes rows that were recorded between the ticks of the two nodes.
 std::ptrdiff_t lead(const NodeTicks& node, const NodeTicks& other) {
@@ -110,7 +104,7 @@ Record record_of(const Reader& run, const std::string& name, Use use) {
   Record record;
   record.name = name;
   record.use = use;
-  record.time_step = interval_of(run, machine);
+  record.time_step = machine.interval();
   for (const auto& names : roles.axes) add_axis(record, run, machine, controller, names);
   if (record.channels.empty())
     throw Error{fmt::format("no axis has a command, expected '{}'", roles.axes[0].command)};

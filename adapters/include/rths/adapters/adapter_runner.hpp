@@ -16,10 +16,25 @@
 
 namespace rths::adapters {
 
+/// What a node does about the steps whose time passed while it, or the host, did not run.
+enum class MissedSteps {
+  Make,     ///< makes them at once, with the newest inputs
+  MakeDue,  ///< makes them at once, each with the inputs of its own time
+  Skip,     ///< goes on with the step that is due next
+  Wait,     ///< the same, in turns with the nodes that it awaits: their time stands still together
+};
+
 /// Scheduled times of an adapter's steps: epoch + phase + k·period.
 struct Schedule {
   Duration period{1'000'000};
   Duration phase{0};
+  MissedSteps missed = MissedSteps::Make;
+
+  /// Steps that a node leaves out which is so late; then the nearest one is due.   @realtime
+  [[nodiscard]] std::uint64_t skipped_at(Duration late) const RTHS_REALTIME {
+    const bool skips = missed == MissedSteps::Skip || missed == MissedSteps::Wait;
+    return skips && late >= period ? static_cast<std::uint64_t>((late + period / 2) / period) : 0;
+  }
 };
 
 /// Delay of a step's start and duration of the previous step; both zero in virtual time.
@@ -27,6 +42,7 @@ struct Timing {
   Duration late{0};
   Duration duration{0};
   bool is_early = false;         ///< started by a Wake event: not counted as a scheduled step
+  std::uint64_t skipped = 0;     ///< steps left out before this one
   const Clock* clock = nullptr;  ///< null in virtual time
   TimePoint due{0};              ///< scheduled start of the step on this clock
 };
@@ -36,6 +52,9 @@ struct StepTimes {
   std::vector<float> late;      ///< start after the scheduled time
   std::vector<float> duration;  ///< until its outputs are written
 };
+
+/// A step waits at most so long for that of an awaited node.
+inline constexpr Duration kLongestAwaited = std::chrono::milliseconds{200};
 
 /// Monitors that every node writes, at the start of its monitor partition: see `AdapterRunner`.
 [[nodiscard]] std::vector<Port> runner_ports();
@@ -48,17 +67,28 @@ struct StepTimes {
 ///
 /// Adds these monitors to the adapter's own: host.step, host.status, host.overruns, host.stale,
 /// host.late (this step), host.late_max (all steps), host.duration,
-/// host.invalid (inputs read and values written that were not numbers).
+/// host.invalid (inputs read and values written that were not numbers),
+/// host.skipped (steps left out, because their time had passed).
 class AdapterRunner {
  public:
   /// @param node  name in the ring's map
   /// @throws Error if the ring lacks a signal, uses another map, or already has this node
   /// @setup
   AdapterRunner(Adapter& adapter, broker::Ring& ring, const std::string& node,
-                std::uint64_t map_hash, Duration period);
+                std::uint64_t map_hash, const Schedule& schedule);
 
   /// Runs one step. @param time  scheduled, since the start of the run   @realtime
   [[nodiscard]] Status tick(Duration time, bool stopping, const Timing& timing) RTHS_REALTIME;
+
+  /// From now on, each step of this node awaits one that another node has made since the last step:
+  /// a simulated machine and its controller, on one host, whose time can wait.
+  /// @param goes_first  this node makes the first step
+  /// @throws Error if the other node has no monitors   @setup
+  void await_steps_of(const std::string& node, bool goes_first, broker::Ring& ring);
+  /// Whether an awaited node has not made its step yet.   @realtime
+  [[nodiscard]] bool is_awaiting() const RTHS_REALTIME;
+  /// Goes on without a node that made no step, until it makes one again.   @realtime
+  void give_up_awaiting() RTHS_REALTIME;
 
   /// Keeps the times of this many scheduled steps from now on.   @setup
   void keep_times(std::size_t steps);
@@ -67,8 +97,10 @@ class AdapterRunner {
   void keep(const Timing& timing) RTHS_REALTIME;
   [[nodiscard]] const StepTimes& times() const { return times_; }
 
-  /// Waits until `time` or the adapter's Wake event.   @realtime, except for the sleep
-  void wait_until(TimePoint time, Clock& clock) RTHS_REALTIME;
+  /// Waits until `epoch + due` or the adapter's Wake event, then at most `kLongestAwaited` for an
+  /// awaited step.
+  /// @realtime, except for the sleep
+  void wait_until(TimePoint epoch, Duration due, Clock& clock) RTHS_REALTIME;
 
   [[nodiscard]] const char* message() const { return step_.message; }
   /// Why the adapter asks for the end of the run while it comes to rest; empty: it does not.
@@ -77,6 +109,7 @@ class AdapterRunner {
     return std::atomic_ref{stop_request_}.load(std::memory_order_acquire);
   }
   [[nodiscard]] std::uint64_t overruns() const { return overruns_; }
+  [[nodiscard]] const Schedule& schedule() const { return schedule_; }
   [[nodiscard]] broker::Node& node() { return node_; }
 
  private:
@@ -106,20 +139,36 @@ class AdapterRunner {
   [[nodiscard]] static Transfer& transfer_for(std::vector<Transfer>& transfers,
                                               const memmap::SignalEntry& entry,
                                               const broker::Ring& ring);
-  [[nodiscard]] Status read_inputs() noexcept;
+  [[nodiscard]] Status read_inputs(const Timing& timing) noexcept;
+  [[nodiscard]] Status read_newest() noexcept;
+  [[nodiscard]] Status read_until(TimePoint time) noexcept;
+  void keep(const broker::Write& write) noexcept;
+  void wait_for_event(TimePoint time, Clock& clock) noexcept;
   [[nodiscard]] Status take(const Transfer& transfer) noexcept;
   [[nodiscard]] Status write_outputs() noexcept;
   void write_own_monitors(Status status, const Timing& timing) noexcept;
 
   Adapter& adapter_;
   broker::Node node_;
-  Duration period_;
+  Schedule schedule_;
   void wait_for_inputs(TimePoint time) noexcept;
   std::vector<Transfer> reads_, writes_;
   std::optional<broker::Waiter> waiter_;  ///< for writes to the inputs; empty without inputs
+  /// Of the nodes that write the inputs, if missed steps are made with those of their own time.
+  std::vector<broker::Follower> followers_;
+  /// A node whose steps are awaited.
+  struct Awaited {
+    LongwordOffset steps;  ///< its count
+    memmap::Codec codec;
+    double seen;  ///< the count at the last step of this node
+    bool is_given_up = false;
+  };
+  [[nodiscard]] bool is_awaiting(const Awaited& awaited) const noexcept;
+  [[nodiscard]] double steps_of(const Awaited& awaited) const noexcept;
+  std::vector<Awaited> awaited_;
   std::vector<double> inputs_, outputs_;
   StepData step_;
-  std::uint64_t steps_ = 0, overruns_ = 0, stale_ = 0, invalid_ = 0;
+  std::uint64_t steps_ = 0, overruns_ = 0, stale_ = 0, invalid_ = 0, skipped_ = 0;
   mutable const char* stop_request_ = "";
   StepTimes times_;
 };
@@ -141,10 +190,9 @@ struct LoopEnd {
 /// Runs a runner's steps on a clock until its adapter returns Done or Fault.
 ///
 /// A step starts at its scheduled time, or earlier on the adapter's Wake event. A late step starts
-/// at once, and missed steps are run afterwards, since the machine has moved in the meantime.
+/// at once; the schedule says what becomes of missed ones.
 /// @param stopping  may be set by any thread at any time
 [[nodiscard]] LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch,
-                               const Schedule& schedule,
                                const std::atomic<bool>& stopping) RTHS_REALTIME;
 
 }  // namespace rths::adapters

@@ -43,6 +43,11 @@ class Follower {
 
   /// Reads the next write.   @realtime
   [[nodiscard]] Followed next(Write& write) RTHS_REALTIME;
+  /// Reads the next write if it was made before this time. The writer's next heartbeat dates its
+  /// writes; without one, they have no time yet.   @realtime
+  [[nodiscard]] Followed next_until(TimePoint time, Write& write) RTHS_REALTIME;
+  /// Skips the writes until now.   @realtime
+  void skip_to_end() RTHS_REALTIME;
   /// Number of entries that were overwritten before they were read.
   [[nodiscard]] std::uint64_t lost() const;
 

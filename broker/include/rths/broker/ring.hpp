@@ -100,6 +100,10 @@ class Node {
   /// Increments this node's heartbeat, which `beats_of` returns to other nodes. Puts the time into
   /// the journal, which dates the writes between two beats.   @realtime
   void beat() RTHS_REALTIME;
+  /// The same on the clock of a run.
+  /// @param late  the writes since the last beat were due so much earlier, at most 4 s; followers
+  ///              that ask for a time get them by that of their due   @realtime
+  void beat(TimePoint now, Duration late) RTHS_REALTIME;
   /// Heartbeats of a node of the map since it joined; 0 if it is not on the ring. @realtime
   [[nodiscard]] std::uint64_t beats_of(NodeId node) const RTHS_REALTIME;
   /// True once memory of the ring was lost: then reads return zeros, and no other process sees
@@ -193,6 +197,9 @@ class Ring {
   [[nodiscard]] Node observe();
   /// Follows the writes of a node from now on; the node may join later. See follow.hpp.   @setup
   [[nodiscard]] Follower follow(const std::string& node);
+  /// The nodes of the map that may write some of these words; all nodes if `words` is empty.
+  /// @setup
+  [[nodiscard]] std::vector<std::string> writers_of(const std::vector<LongwordRange>& words) const;
   /// Waits for writes to these words, or to any word if `words` is empty. See follow.hpp.
   /// @param longest_spin  before it sleeps; on a single processor it does not spin   @setup
   [[nodiscard]] Waiter wait_for(const std::vector<LongwordRange>& words,

@@ -41,10 +41,10 @@ class AdaptiveInverse {
   /// @param measured  displacement [m]   @param force  of the specimen [N]
   /// @param share     of the lead that is sent: 1 the full lead, 0 the bare target
   /// @param adapt     false: the coefficients are frozen
-  /// @param rates     of the target, if a predictor-corrector made it
+  /// @param pace      of the target; learning pauses while it is slow
   /// @returns the reference, within ±largest_reference [m]   @realtime
   [[nodiscard]] double step(double target, double measured, double force, double share, bool adapt,
-                            const CommandRates& rates = {}) RTHS_REALTIME;
+                            const Pace& pace = {}) RTHS_REALTIME;
 
   [[nodiscard]] InverseCoefficients coefficients() const;
   /// True if the last sample entered the fit.
@@ -60,7 +60,7 @@ class AdaptiveInverse {
   using Terms = InverseLead::Terms;
   using Channels = Eigen::Matrix<double, kTerms + 1, 1>;  ///< all terms, and what else was sent
 
-  [[nodiscard]] double sent(double share) noexcept;
+  [[nodiscard]] double sent(double share, const Pace& pace) noexcept;
   [[nodiscard]] bool is_informative(double speed, double error, bool is_good) noexcept;
   void learn(const Channels& sent_now, double error, bool is_good, bool adapt) noexcept;
   void solve() noexcept;

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <rths/controller/filters.hpp>
+#include <rths/controller/path_sampler.hpp>
 #include <rths/controller/target_smoothing.hpp>
 #include <rths/core/realtime.hpp>
 
@@ -42,16 +43,9 @@ struct InverseLeadSettings {
   double largest_load_lead = 0.01;  ///< clip of the terms with the measured force [m]
 };
 
-/// What a predictor-corrector knows about its command.
-struct CommandRates {
-  double velocity = 0, acceleration = 0;  ///< without the acceleration of a changing pace
-  bool is_slowed = false;                 ///< its target is late: the command slows down
-};
-
 /// The lead of a target that a machine of known inverse dynamics needs to follow it. The
-/// derivatives are those of a smoothed target, whose delay the lead includes. A command that slows
-/// down stops within milliseconds, and its high derivatives would be far beyond the machine.
-/// Meanwhile, and until they have passed the smoothing, the rates of the command take their place.
+/// derivatives are those of a smoothed target, whose delay the lead includes, along the target's
+/// path: a target that slows down has the reference that it would have at full pace, later.
 class InverseLead {
  public:
   static constexpr int kTerms = 8;  ///< with a coefficient of their own
@@ -67,7 +61,7 @@ class InverseLead {
   /// Takes a sample.
   /// @param target  displacement that the machine should have now [m]   @param force  of the
   /// specimen [N]; its magnitude counts up to the capacity   @realtime
-  void advance(double target, double force, const CommandRates& rates = {}) RTHS_REALTIME;
+  void advance(double target, double force, const Pace& pace = {}) RTHS_REALTIME;
   /// @param share  of the lead: 1 the full lead, 0 the bare target
   /// @returns the reference of the last sample, within ±largest_reference [m]   @realtime
   [[nodiscard]] double reference(const Terms& coefficients, double share) RTHS_REALTIME;
@@ -77,19 +71,14 @@ class InverseLead {
   [[nodiscard]] double fourth_derivative() const { return fourth_derivative_; }  ///< [m/s⁴]
   /// True if the last reference, or its terms with the force, stood at a limit.
   [[nodiscard]] bool is_clipped() const { return is_clipped_; }
-  /// True if the last terms contained the rates of a command that slows down.
-  [[nodiscard]] bool is_slowed() const { return slowed_ > 0; }
 
  private:
-  void follow_pace(bool is_slowed) noexcept;
-
   InverseLeadSettings settings_;
-  TargetSmoothing smoothing_;
-  EndSlope force_rate_;
+  PathSampler targets_, forces_;
+  TargetSmoothing smoothing_, clock_smoothing_;
+  EndSlope force_slope_;
   Terms terms_ = Terms::Zero();
-  double target_ = 0, fourth_derivative_ = 0;
-  double slowed_ = 0;  ///< share of the command's rates in the derivatives
-  long settling_ = 0;  ///< samples until the smoothing has forgotten a slow command
+  double target_ = 0, fourth_derivative_ = 0, force_rate_ = 0;
   bool is_clipped_ = false;
 };
 

@@ -19,6 +19,9 @@ struct PredictorCorrectorSettings {
   int substeps = 100;           ///< N, controller substeps per integration step, ≥ 10
   double slow_down_from = 0.6;  ///< fraction of the step after which a late target slows the
                                 ///< command down [-]; the charts in use have 0.8 or 0.6
+  /// Fraction of the step at which a late target holds the command [-]; 0: in the middle between
+  /// `slow_down_from` and the end of the step, as in the charts in use.
+  double hold_at = 0;
   Polynomial predictor = Polynomial::D2;
   Polynomial corrector = Polynomial::D2;
   double simulation_step = 0.01;     ///< wall time per integration step [s]
@@ -40,15 +43,17 @@ struct Target {
 ///
 /// While the integrator computes, the command is extrapolated (Predict). If the target is late, the
 /// substep counter i slows down towards the hold point (AutoSlowDown). When the target arrives, the
-/// command reaches it by the end of the step (Correct). Let p = slow_down_from, h = (1 + p)/2:
+/// command reaches it by the end of the step (Correct). Let p = slow_down_from, h = the hold point:
 ///
 ///     Correct       Δi = clamp(Δi_SD + (i − i_SD)/((h−p) N), 0.001, 1);   i ← min(i + Δi, N)
 ///     Predict       i ← i + 1
 ///     AutoSlowDown  Δi_SD = (h − i/N)/(h−p);   i ← i + Δi_SD;   i_SD ← i
 ///
-/// The transition rules are in docs/theory/predictor_corrector.md. Rates of the command are the
-/// polynomials' derivatives, scaled by the pace Δi of the counter: a held command has zero rates.
-/// Source: the Stateflow charts of OpenFresco (Schellenberg), whose rates ignore the pace.
+/// The transition rules are in docs/theory/predictor_corrector.md. A late target changes when the
+/// command passes a point of its path, never the path itself, and the rates are those along the
+/// path. So a compensator that counts the time of the path, which is that of the clock less
+/// `lost_time`, sends the same reference more slowly.
+/// Source: the Stateflow charts of OpenFresco (Schellenberg), whose hold point is (1 + p)/2.
 class PredictorCorrector {
  public:
   /// @throws Error if a setting is out of range   @setup
@@ -59,13 +64,16 @@ class PredictorCorrector {
   /// @param target      the newest target; read when `new_target` is true, and in the first
   ///                    substep, where it is the initial setpoint   @realtime
   void substep(bool new_target, const Target& target) RTHS_REALTIME;
+  /// A substep in which the command waits, because its time has passed already.   @realtime
+  void wait() RTHS_REALTIME;
 
   [[nodiscard]] const Eigen::VectorXd& command() const { return command_; }  ///< [m, rad]
-  /// In wall time [m/s, rad/s].
+  /// Along the path: of a command that is not slowed down [m/s, rad/s].
   [[nodiscard]] const Eigen::VectorXd& command_velocity() const { return velocity_; }
-  /// In wall time [m/s², rad/s²]. Acceleration along the path. The contribution of a changing pace
-  /// is left out, because a compensator would turn it into a kick.
+  /// Along the path [m/s², rad/s²].
   [[nodiscard]] const Eigen::VectorXd& command_acceleration() const { return acceleration_; }
+  /// By which the command is behind one whose targets were never late [s].
+  [[nodiscard]] double lost_time() const { return lost_time_; }
   [[nodiscard]] PcState state() const { return state_; }
   /// i, 0…N. N while idle in Initialize: the specimen is at its target.
   [[nodiscard]] double counter() const { return counter_; }
@@ -79,17 +87,18 @@ class PredictorCorrector {
   void slow_down() noexcept;
   void shift_history(const Target& target) noexcept;
   void evaluate(Branch branch) noexcept;
+  void advance_to(double counter) noexcept;
 
   PredictorCorrectorSettings settings_;
-  double hold_point_;  ///< h: fraction of the step at which a late target freezes the command [-]
+  double hold_point_;  ///< h: fraction of the step at which a late target holds the command [-]
   double ramp_;        ///< (h − p) N [substeps]
   PcState state_ = PcState::Initialize;
   bool started_ = false;
   double counter_ = 0;              ///< i
-  double increment_ = 1;            ///< Δi of this substep
   double slow_down_increment_ = 1;  ///< Δi_SD
   double slow_down_end_ = 0;        ///< i_SD
   double xi_ = 0;
+  double lost_time_ = 0;
   std::array<Eigen::VectorXd, 6> history_;  ///< s₁…s₆, newest first
   std::array<Eigen::VectorXd, 2> rate_;     ///< v₁, v₂ per step
   Eigen::VectorXd second_rate_;             ///< a₁ per step²
@@ -100,11 +109,11 @@ class PredictorCorrector {
 /// Rating of delayed sampling: fine, to be warned about, or refused.
 enum class DelayRating { Fine, Warned, Refused };
 
-/// Fraction of the step at which a late target freezes the command: h = (1 + p)/2.   @setup
-[[nodiscard]] double hold_point(double slow_down_from);
+/// Fraction of the step at which a late target holds the command [-].   @setup
+[[nodiscard]] double hold_point(const PredictorCorrectorSettings& settings);
 
 /// Smallest ratio of sampling delay to step that `judge_delay` refuses.   @setup
-[[nodiscard]] double refused_delay_ratio(double slow_down_from);
+[[nodiscard]] double refused_delay_ratio(const PredictorCorrectorSettings& settings);
 
 /// Rates delayed sampling by the ratio of delay to step: warned above 0.6, refused from 0.8 on.
 /// Delays from the hold point on are refused too: the counter never reaches it while a target is

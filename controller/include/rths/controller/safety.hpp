@@ -161,6 +161,8 @@ class Safety {
   [[nodiscard]] double stop_at(std::size_t axis, const Stop& stop,
                                std::size_t ticks) const noexcept;
   [[nodiscard]] SafetyTrip find_in_command(std::size_t axis, double command) noexcept;
+  [[nodiscard]] SafetyTrip find_in_stops(std::size_t axis, const Stop& full) noexcept;
+  [[nodiscard]] SafetyTrip find_in_stop(std::size_t axis) noexcept;
   [[nodiscard]] SafetyTrip find_in_windows(std::size_t axis) noexcept;
   [[nodiscard]] SafetyTrip find_in_feedback(std::size_t axis,
                                             const SafetyFeedback& now) const noexcept;

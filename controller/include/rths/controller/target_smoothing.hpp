@@ -33,8 +33,13 @@ class TargetSmoothing {
   void advance(double target) RTHS_REALTIME;
   /// Derivatives of the smoothed target, those of the last sample [unit/sᵏ].
   [[nodiscard]] const Derivatives& smoothed() const { return smoothed_; }
-  /// Derivatives of the target itself, of the last sample [unit/sᵏ].   @realtime
-  [[nodiscard]] Derivatives sharp() const RTHS_REALTIME { return sharpening_ * smoothed_; }
+  /// Those of this time after the last sample, less than a period, by Taylor's series [unit/sᵏ].
+  /// @realtime
+  [[nodiscard]] Derivatives smoothed_after(double time) const RTHS_REALTIME;
+  /// Derivatives of the target itself from those of the smoothed one [unit/sᵏ].   @realtime
+  [[nodiscard]] Derivatives sharpened(const Derivatives& smoothed) const RTHS_REALTIME {
+    return sharpening_ * smoothed;
+  }
   /// Of slow motion [s].
   [[nodiscard]] double delay() const { return sharpening_(0, 1); }
 

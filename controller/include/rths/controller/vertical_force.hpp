@@ -48,6 +48,8 @@ struct AxialBearing {
 
   /// @returns displacement for a force at a horizontal displacement [m]   @realtime
   [[nodiscard]] double displacement(double force, double horizontal) const RTHS_REALTIME;
+  /// Its part without force: h [m].   @realtime
+  [[nodiscard]] double height_lost(double horizontal) const RTHS_REALTIME;
 };
 
 /// A vertical axis of single-acting actuators: the load itself drives the oil out, so that they
@@ -86,14 +88,18 @@ class FlowLead {
  public:
   /// @pre all settings are positive, as single_acting_vertical checks   @setup
   FlowLead(const SingleActingServo& servo, double stiffness, double smoothing, double period);
-  /// @param wanted  displacement [m]   @param load  of the specimen [N]   @realtime
-  [[nodiscard]] double step(double wanted, double load) RTHS_REALTIME;
+  /// @param wanted  displacement [m], of which `pace` tells a part that follows the clock
+  /// @param load  of the specimen [N]   @realtime
+  [[nodiscard]] double step(double wanted, double load, const Pace& pace = {}) RTHS_REALTIME;
 
  private:
   static constexpr int kPoles = 4;
+  [[nodiscard]] double ahead_in(const PoleChain<kPoles>& poles, double since) const noexcept;
+
   double gain_, first_, second_;  ///< κ [s]; D of the smoothed velocity: 1, first [s], second [s²]
-  double weight_, supply_force_, smoothing_;
-  PoleChain<kPoles> poles_;  ///< of the displacement [m]
+  double weight_, supply_force_, smoothing_, period_;
+  PathSampler targets_;
+  PoleChain<kPoles> on_path_, in_clock_;  ///< both parts of the displacement [m]
 };
 
 /// Force control of a stiff bearing in real time: the force becomes a displacement by the bearing's
@@ -106,9 +112,12 @@ class VerticalForceControl {
   /// @param target, measured  force, compression positive [N]
   /// @param horizontal_target, horizontal  of the bearing, commanded and measured: lengths of the
   ///                          displacement vectors [m]
+  /// @param path_share  progress of the target along its path, of a period. The height that the
+  ///     bearing loses follows the clock. While the target waits, the lead of the force fades.
   /// @returns the displacement reference [m]   @realtime
   [[nodiscard]] double step(double target, double measured, double horizontal_target,
-                            double horizontal, bool adapt = true) RTHS_REALTIME;
+                            double horizontal, bool adapt = true,
+                            double path_share = 1) RTHS_REALTIME;
   [[nodiscard]] const AdaptiveInverse& inverse() const { return inverse_; }
   [[nodiscard]] double disturbance() const { return disturbance_; }  ///< [m]
 
@@ -116,7 +125,7 @@ class VerticalForceControl {
   VerticalForceSettings settings_;
   AdaptiveInverse inverse_;
   std::optional<FlowLead> flow_;
-  double disturbance_ = 0, last_target_ = 0, last_wanted_ = 0;
+  double disturbance_ = 0, last_target_ = 0, last_wanted_ = 0, last_height_ = 0, lead_ = 1;
 };
 
 }  // namespace rths::controller

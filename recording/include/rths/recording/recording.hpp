@@ -140,11 +140,14 @@ class NodeTicks {
   [[nodiscard]] std::size_t count() const { return count_; }
   /// The node's counter in each row.
   [[nodiscard]] const std::vector<double>& counter() const { return counter_; }
+  /// Mean time from one scheduled step to the next; those that the node skipped count [s].
+  [[nodiscard]] double interval() const;
   /// @throws Error if the recording lacks the signal
   [[nodiscard]] std::vector<double> values(const std::string& signal) const;
 
  private:
   const Reader& run_;
+  std::string node_;  ///< begin of its monitors' names
   std::vector<double> counter_;
   std::size_t count_ = 0;
 };

@@ -49,6 +49,14 @@ struct Broken {
 /// @throws Error if the recording holds no experiment   @setup
 [[nodiscard]] std::vector<Broken> judge(const recording::Reader& run);
 
+/// How late the host of a run in real time was, as "up to 45 ms late, …"; empty if it kept real
+/// time.   @setup
+[[nodiscard]] std::string late_host_in(const recording::Reader& run);
+
+/// What was late in the half second before a safety trip: a node, or else a target; empty if
+/// nothing was, or if nothing tripped.   @setup
+[[nodiscard]] std::string lateness_before_trip(const recording::Reader& run);
+
 /// The broken conditions as lines for a terminal; empty if there are none.
 [[nodiscard]] std::string verdict_of(const std::vector<Broken>& conditions);
 

@@ -15,6 +15,8 @@ namespace rths::report {
 inline constexpr const char* kRunFile = "run.h5";
 inline constexpr const char* kUncompensatedFile = "uncompensated.h5";
 inline constexpr const char* kNumericalFile = "numerical.h5";
+/// The attempt in real time of a test that was repeated in virtual time, because its host was late.
+inline constexpr const char* kRealTimeFile = "real_time.h5";
 inline constexpr const char* kImprovedFile =
     "improved.h5";  ///< as numerical.h5, with the improved model
 

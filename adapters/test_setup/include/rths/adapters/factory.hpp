@@ -85,8 +85,15 @@ struct Factory {
                                             const Config& experiment);
 
 /// A schedule from seconds.
-[[nodiscard]] constexpr Schedule schedule_of(double period, double phase) {
-  return {from_seconds(period), from_seconds(phase)};
+[[nodiscard]] constexpr Schedule schedule_of(double period, double phase,
+                                             MissedSteps missed = MissedSteps::Make) {
+  return {from_seconds(period), from_seconds(phase), missed};
 }
+
+/// Reads `late_inputs` of a machine: "due" for a simulated one, "newest" for a real one.
+/// @param due  what a simulated one does about missed steps
+/// @returns what the machine does   @throws Error with the place of another value   @setup
+[[nodiscard]] MissedSteps read_late_inputs(const Config& table, const char* otherwise,
+                                           MissedSteps due);
 
 }  // namespace rths::adapters

@@ -17,6 +17,7 @@
 #define RTHS_ONE_STORE 1
 #endif
 
+#include <rths/core/clock.hpp>
 namespace rths::broker {
 
 enum class EntryKind : std::uint32_t {
@@ -24,7 +25,8 @@ enum class EntryKind : std::uint32_t {
   Group = 2,  ///< a: offset of the first word, b: longwords, c: count of the record's write; its
               ///< words follow as Data
   Data = 3,   ///< a, b, c: the next three words of a group
-  Time = 4,   ///< a, b: CLOCK_MONOTONIC [ns], low and high half; later entries are later
+  Time = 4,   ///< a, b: CLOCK_MONOTONIC [ns], low and high half; later entries are later;
+              ///< c: by how much the writes before it were late [ns]
 };
 
 struct alignas(16) JournalEntry {
@@ -139,6 +141,9 @@ inline void publish_words(JournalEntry* to, std::span<const std::uint32_t> words
   return 1 + entries_of(longwords);
 }
 
+/// Longest delay that an entry of kind Time has room for.
+inline constexpr Duration kLongestLate{0xffffffff};
+
 /// Appends to a journal. One per journal, in one thread.
 class JournalWriter {
  public:
@@ -167,8 +172,11 @@ class JournalWriter {
     publish_words(to + 1, words, data);
     next_ = to + entries;
   }
-  void time(std::uint64_t nanoseconds) noexcept {
-    append(EntryKind::Time, low_half(nanoseconds), high_half(nanoseconds), 0);
+  /// @param late  of the writes before it: they were due so much earlier
+  void time(std::uint64_t nanoseconds, Duration late) noexcept {
+    const auto bounded = std::clamp(late, Duration{0}, kLongestLate);
+    append(EntryKind::Time, low_half(nanoseconds), high_half(nanoseconds),
+           static_cast<std::uint32_t>(bounded.count()));
   }
 
  private:

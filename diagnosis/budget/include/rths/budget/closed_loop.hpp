@@ -70,6 +70,9 @@ using ForceCorrection = std::variant<std::monostate, MachineForceCorrection, Tab
 struct TickTimes {
   std::vector<double> begin;  ///< the node reads its inputs
   std::vector<double> end;    ///< its outputs are written
+  /// Made after its time, with the inputs of its time: begin and end are when it was due. May be
+  /// empty.
+  std::vector<bool> missed = {};  // NOLINT(readability-redundant-member-init)
 };
 
 /// The order in which controller and machine made their ticks. Ticks beyond the vectors, and all if
@@ -77,6 +80,7 @@ struct TickTimes {
 struct TickOrder {
   std::vector<std::size_t> machine_before;     ///< ticks of the machine, by tick of the controller
   std::vector<std::size_t> controller_before;  ///< ticks of the controller, by tick of the machine
+  std::vector<bool> missed;  ///< by tick of the controller: its command waited
 
   [[nodiscard]] std::size_t machine_ticks(std::size_t controller_tick) const {
     return controller_tick < machine_before.size() ? machine_before[controller_tick]
@@ -84,6 +88,9 @@ struct TickOrder {
   }
   [[nodiscard]] std::size_t controller_ticks(std::size_t machine_tick) const {
     return machine_tick < controller_before.size() ? controller_before[machine_tick] : machine_tick;
+  }
+  [[nodiscard]] bool is_missed(std::size_t controller_tick) const {
+    return controller_tick < missed.size() && missed[controller_tick];
   }
 };
 

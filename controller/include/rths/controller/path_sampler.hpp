@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include <rths/core/realtime.hpp>
+
+namespace rths::controller {
+
+/// Progress of a signal along its path in one tick. A predictor-corrector whose target is late
+/// passes less than a period of its command's path.
+struct Pace {
+  double share = 1;        ///< of a period, 0…1
+  double force_share = 1;  ///< of the force beside it; 1 if that is measured
+  double in_clock = 0;     ///< part of the signal that follows the clock, not the path
+  double lead = 1;         ///< share of the lead of the part along the path, 0…1
+};
+
+/// Pace of a command from its lost time.
+class PaceMeter {
+ public:
+  /// @param lost_time  of the predictor-corrector [s]   @param period  of the ticks [s]
+  /// @returns the share of a period, 0…1   @realtime
+  double operator()(double lost_time, double period) RTHS_REALTIME {
+    const double share = std::clamp(1 - (lost_time - last_) / period, 0.0, 1.0);
+    last_ = lost_time;
+    return share;
+  }
+
+ private:
+  double last_ = 0;
+};
+
+/// Samples a signal at equal intervals of its path. At full pace these are the values of the ticks.
+class PathSampler {
+ public:
+  /// One tick.
+  /// @param share  of a period along the path since the last tick, 0…1
+  /// @returns the value at a sample that was passed, between those of both ticks   @realtime
+  std::optional<double> operator()(double value, double share) RTHS_REALTIME {
+    const double before = std::exchange(value_, value);
+    if (!std::exchange(has_begun_, true)) return value;
+    since_ += share;
+    if (since_ < 1) return std::nullopt;
+    since_ -= 1;
+    return value - since_ / share * (value - before);
+  }
+  /// Share of a period along the path since the last sample, below 1.
+  [[nodiscard]] double since() const { return since_; }
+
+ private:
+  bool has_begun_ = false;
+  double value_ = 0, since_ = 0;
+};
+
+}  // namespace rths::controller
