@@ -335,8 +335,7 @@ void AdapterRunner::wait_for_inputs(TimePoint time) noexcept {
   if (!was_written) static_cast<void>(waiter_->wait(time, write));
 }
 
-void AdapterRunner::wait_until(TimePoint epoch, Duration due, Clock& clock) noexcept {
-  wait_for_event(epoch + due, clock);
+void AdapterRunner::wait_for_others(Clock& clock) noexcept {
   TimePoint give_up{0};
   while (is_awaiting()) {
     const TimePoint now = clock.now();
@@ -346,7 +345,7 @@ void AdapterRunner::wait_until(TimePoint epoch, Duration due, Clock& clock) noex
   }
 }
 
-void AdapterRunner::wait_for_event(TimePoint time, Clock& clock) noexcept {
+void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
   switch (adapter_.wakes_on()) {
     case Wake::Inputs:
       if (waiter_) return wait_for_inputs(time);
@@ -367,7 +366,9 @@ LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch,
   Timing timing;
   timing.clock = &clock;
   for (Duration due = schedule.phase;;) {
-    runner.wait_until(epoch, due, clock);
+    runner.wait_until(epoch + due, clock);
+    // At the end, each comes to rest by itself.
+    if (!stopping.load(std::memory_order_relaxed)) runner.wait_for_others(clock);
     const TimePoint begun = clock.now();
     if (const auto skipped = schedule.skipped_at(begun - (epoch + due)); skipped > 0) {
       timing.skipped += skipped;

@@ -32,11 +32,11 @@ struct RunArguments {
   std::string experiment;
   bool virtual_time = false;
   bool repeats_late = false;  ///< in virtual time, a test whose host could not keep real time
-  std::string out;        ///< folder; empty: a new one in out/<name of the experiment>
-  bool force = false;     ///< replace the results of an earlier run in `out`
-  std::string ring;       ///< empty: the experiment's name
-  std::string host;       ///< this host, of an experiment on several; empty: all nodes run here
-  std::string interface;  ///< of the network to the other hosts; empty: the experiment's
+  std::string out;            ///< folder; empty: a new one in out/<name of the experiment>
+  bool force = false;         ///< replace the results of an earlier run in `out`
+  std::string ring;           ///< empty: the experiment's name
+  std::string host;           ///< this host, of an experiment on several; empty: all nodes run here
+  std::string interface;      ///< of the network to the other hosts; empty: the experiment's
   Changes changes;
   std::vector<std::filesystem::path> improvements;  ///< improved.toml files, added to the model
   bool diagnoses = true;                            ///< diagnose if there is a [held_out] motion

@@ -312,7 +312,8 @@ int run(const RunArguments& given) {
   if (const auto late = reason_to_repeat(arguments, experiment, outcome, options.recording);
       !late.empty()) {
     write_message(fmt::format(
-        "rths: the host could not keep real time ({}): repeating the test in virtual time\n", late));
+        "rths: the host could not keep real time ({}): repeating the test in virtual time\n",
+        late));
     arguments.virtual_time = true;
     outcome = repeat_in_virtual_time(experiment, options);
     if (options.progress) clear_progress();

@@ -38,8 +38,8 @@ struct Follower::State {
   NodeId writer;
   std::uint64_t position = 0;
   std::uint64_t lost = 0;
-  std::uint64_t dated_end = 0;  ///< the entries before this position have the date
-  TimePoint date{0};            ///< of the heartbeat behind them
+  std::uint64_t dated_end = 0;       ///< the entries before this position have the date
+  TimePoint date{0};                 ///< of the heartbeat behind them
   bool ignored = false;              ///< by its waiter
   std::uint32_t memory_end = 0;      ///< of the ring's memory: entries beyond it are skipped
   std::vector<std::uint32_t> words;  ///< of the group that is being read
@@ -143,7 +143,6 @@ Follower::~Follower() = default;
 Followed Follower::next(Write& write) noexcept {
   return state_->next_before(std::numeric_limits<std::uint64_t>::max(), write);
 }
-
 
 Followed Follower::next_until(TimePoint time, Write& write) noexcept {
   State& state = *state_;

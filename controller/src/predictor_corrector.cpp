@@ -79,8 +79,7 @@ void PredictorCorrector::substep(bool new_target, const Target& target) noexcept
 }
 
 void PredictorCorrector::wait() noexcept {
-  if (state_ != PcState::Initialize)
-    lost_time_ += settings_.simulation_step / settings_.substeps;
+  if (state_ != PcState::Initialize) lost_time_ += settings_.simulation_step / settings_.substeps;
 }
 
 // Along the path. What the counter lacks to a whole substep is lost.
@@ -118,8 +117,8 @@ void PredictorCorrector::enter_predict() noexcept {
 }
 
 void PredictorCorrector::correct() noexcept {
-  const double increment = std::clamp(
-      slow_down_increment_ + (counter_ - slow_down_end_) / ramp_, kSmallestIncrement, 1.0);
+  const double increment = std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
+                                      kSmallestIncrement, 1.0);
   advance_to(std::min(counter_ + increment, static_cast<double>(settings_.substeps)));
   evaluate(Branch::Correct);
 }

@@ -199,8 +199,8 @@ SafetyTrip Safety::find_in_command(std::size_t axis, double command) noexcept {
   return find_in_stops(axis, {command, velocity});
 }
 
-// A stop begins with the mean velocity of the last window. A command that slows down has a lower one
-// now: a stop that begins with less may be inside the limits where that one is not.
+// A stop begins with the mean velocity of the last window. A command that slows down has a lower
+// one now: a stop that begins with less may be inside the limits where that one is not.
 SafetyTrip Safety::find_in_stops(std::size_t axis, const Stop& full) noexcept {
   SafetyTrip first;
   for (const double share : {1.0, 0.5, 0.0}) {

@@ -54,9 +54,9 @@ struct RunResult {
 /// cause.
 void add_faults(const std::vector<std::string>& events, RunResult& result);
 
-/// Makes a node await the steps of others on its host: a controller those of a simulated machine, and
-/// the machine those of the controller if their time waits. None on cards, whose words are under way
-/// for a while.
+/// Makes a node await the steps of others on its host: a controller those of a simulated machine,
+/// and the machine those of the controller if their time waits. None on cards, whose words are
+/// under way for a while.
 void await_others(const Experiment& experiment, const NodePlan& plan,
                   adapters::AdapterRunner& runner, broker::Ring& ring);
 /// The nodes that it awaits.

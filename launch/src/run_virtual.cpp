@@ -34,7 +34,7 @@ struct Runner {
   const Station* station;
   std::unique_ptr<adapters::AdapterRunner> runner;
   Duration due;
-  Duration start;  ///< of its next step
+  Duration start;             ///< of its next step
   std::uint64_t skipped = 0;  ///< steps before it that are left out
   bool finished = false;
   std::unique_ptr<PeerWatch> peers = nullptr;  ///< on a ring of cards
@@ -60,9 +60,9 @@ class VirtualRun {
     for (auto& station : assembly.stations) {
       const bool is_here = turns == nullptr || station.plan.host == options.host;
       if (is_here) station.adapter->activate();
-      runners_.push_back({&station,
-                          is_here ? runner_of(station, assembly, ring_of(station.plan.node)) : nullptr,
-                          station.plan.schedule.phase, Duration{0}});
+      runners_.push_back(
+          {&station, is_here ? runner_of(station, assembly, ring_of(station.plan.node)) : nullptr,
+           station.plan.schedule.phase, Duration{0}});
       schedule(runners_.back());
       if (options.lateness && runners_.back().runner)
         runners_.back().runner->keep_times(steps_of(experiment, station.plan));
@@ -137,7 +137,7 @@ class VirtualRun {
 
   // A step that awaits one of a late node comes after it.
   bool postpones(Runner& runner) {
-    if (!runner.runner || !runner.runner->is_awaiting()) return false;
+    if (!runner.runner || stopping_since_ || !runner.runner->is_awaiting()) return false;
     const Runner* next = nullptr;
     for (const NodePlan* awaited : awaited_by(experiment_, runner.station->plan))
       for (const auto& other : runners_)

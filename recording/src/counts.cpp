@@ -28,9 +28,7 @@ std::vector<double> at_each_count(const std::vector<double>& counter,
 }
 
 NodeTicks::NodeTicks(const Reader& run, const std::string& node)
-    : run_{run},
-      node_{"monitor." + node + "."},
-      counter_{run.signal(node_ + "host.step")} {
+    : run_{run}, node_{"monitor." + node + "."}, counter_{run.signal(node_ + "host.step")} {
   const std::string flag = roles_of(run).new_target;
   const auto stop = at_each_count(counter_, run.has(flag) ? run.signal(flag) : counter_);
   const auto end = std::find_if(stop.begin(), stop.end(), [](double word) { return word < 0; });

@@ -16,7 +16,6 @@ namespace {
 
 using recording::Reader;
 
-
 constexpr double kMemory = 0.5;  // before a trip: longer than the answer of any machine [s]
 
 std::vector<std::string> signals_ending_in(const Reader& run, const std::string& end) {
@@ -96,10 +95,10 @@ std::string late_host_in(const Reader& run) {
   for (const auto& signal : signals_ending_in(run, ".host.late_max"))
     for (const double value : run.signal(signal)) most = std::max(most, value);
   if (!(most >= host.period)) return "";
-  return fmt::format("up to {:.0f} ms late, in {:.1f} % of the time by {:g} ms or more",
-                     most * kMilli, late.empty() ? 0 : 100.0 * static_cast<double>(count) /
-                                                          static_cast<double>(late.size()),
-                     host.period * kMilli);
+  return fmt::format(
+      "up to {:.0f} ms late, in {:.1f} % of the time by {:g} ms or more", most * kMilli,
+      late.empty() ? 0 : 100.0 * static_cast<double>(count) / static_cast<double>(late.size()),
+      host.period * kMilli);
 }
 
 }  // namespace rths::report

@@ -373,9 +373,10 @@ std::string summary_of(const Analysis& analysis) {
                   count_of(steps), analysis.processes, analysis.processes == 1 ? "" : "es",
                   analysis.clock, analysis.control_rate);
   if (!analysis.real_time.empty())
-    text += fmt::format("in real time the host was {}: {} has that attempt, all numbers here are of "
-                        "the repetition in virtual time\n",
-                        analysis.real_time, kRealTimeFile);
+    text += fmt::format(
+        "in real time the host was {}: {} has that attempt, all numbers here are of "
+        "the repetition in virtual time\n",
+        analysis.real_time, kRealTimeFile);
   if (!steps.predict.empty())
     text +=
         fmt::format("PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",

@@ -328,8 +328,7 @@ TEST_F(AdapterRunnerTest, LoopsUntilTheAdapterIsDone) {
   const std::atomic<bool> stopping{false};
   echo.ends_after = 10;
 
-  const LoopEnd end =
-      run_loop(runner, clock, TimePoint{0}, stopping);
+  const LoopEnd end = run_loop(runner, clock, TimePoint{0}, stopping);
 
   EXPECT_EQ(end.status, Status::Done);
   EXPECT_EQ(end.time, milliseconds{9});
@@ -340,9 +339,7 @@ TEST_F(AdapterRunnerTest, LoopsUntilItIsToldToStop) {
   WallClock clock;
   std::atomic<bool> stopping{false};
   LoopEnd end;
-  std::thread loop{[&] {
-    end = run_loop(runner, clock, clock.now(), stopping);
-  }};
+  std::thread loop{[&] { end = run_loop(runner, clock, clock.now(), stopping); }};
   while (sender.beats_of(map.node("echo")) < 5) std::this_thread::yield();
 
   stopping.store(true);
@@ -377,8 +374,7 @@ TEST_F(AdapterRunnerTest, RunsMissedStepsAfterwards) {
   const std::atomic<bool> stopping{false};
   echo.ends_after = 50;
 
-  const LoopEnd end =
-      run_loop(runner, clock, TimePoint{0}, stopping);
+  const LoopEnd end = run_loop(runner, clock, TimePoint{0}, stopping);
 
   EXPECT_EQ(end.time, milliseconds{49});
   EXPECT_EQ(clock.now(), milliseconds{50});
@@ -430,8 +426,8 @@ class DueRunnerTest : public AdapterRunnerTest {
   }
 };
 
-// The sender writes at 0.5, 1.5 and 2.5 ms. The steps of 1 and 2 ms, which are missed, take what was
-// there at their time; that of 3 ms takes the newest.
+// The sender writes at 0.5, 1.5 and 2.5 ms. The steps of 1 and 2 ms, which are missed, take what
+// was there at their time; that of 3 ms takes the newest.
 TEST_F(DueRunnerTest, MakesMissedStepsWithTheInputsOfTheirOwnTime) {
   static_cast<void>(runner.tick(Duration{0}, false, {}));
   send_at(Duration{500'000}, 0.1);
@@ -510,8 +506,7 @@ TEST_F(AdapterRunnerTest, KeepsTheTimesOfScheduledStepsUntilAsManyAreKept) {
   echo.ends_after = 5;
   runner.keep_times(4);
 
-  static_cast<void>(
-      run_loop(runner, clock, TimePoint{0}, stopping));
+  static_cast<void>(run_loop(runner, clock, TimePoint{0}, stopping));
   Timing early;
   early.is_early = true;
   EXPECT_REALTIME(runner.keep(early));
@@ -536,8 +531,7 @@ TEST_F(AdapterRunnerTest, MeasuresTheAgeOfTheInputsAfterTheyAreRead) {
   const std::atomic<bool> stopping{false};
   echo.ends_after = 1;
 
-  static_cast<void>(
-      run_loop(runner, clock, TimePoint{0}, stopping));
+  static_cast<void>(run_loop(runner, clock, TimePoint{0}, stopping));
 
   EXPECT_EQ(value("monitor.echo.host.late"), 0.003F);
   EXPECT_EQ(echo.oldest, 0.006);

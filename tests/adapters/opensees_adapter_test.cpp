@@ -133,8 +133,8 @@ TEST_F(OpenSeesAdapter, ServesSixteenElementsAtOnce) {
   const auto map = map_of(solver->ports(), springs.ports());
   auto ring = broker::Ring::in_process(map);
   constexpr Duration kPeriod{1'000'000};
-  AdapterRunner solving{*solver, ring, "opf", map.hash(), kPeriod};
-  AdapterRunner moving{springs, ring, "xpc", map.hash(), kPeriod};
+  AdapterRunner solving{*solver, ring, "opf", map.hash(), {kPeriod}};
+  AdapterRunner moving{springs, ring, "xpc", map.hash(), {kPeriod}};
   solver->activate();
   Status status = Status::Ok;
   for (Duration time{0}; status == Status::Ok; time += kPeriod) {

@@ -102,7 +102,7 @@ class OneElement {
     const auto end = std::chrono::steady_clock::now() + longest;
     Status status = Status::Ok;
     while (status == Status::Ok && !has_target() && std::chrono::steady_clock::now() < end) {
-      StepData step{time_ += 1e-6, 0, inputs_, outputs_};
+      StepData step{time_ += 1e-6, 0, false, inputs_, outputs_};
       status = adapter_->step(step);
       message_ = step.message;
       std::this_thread::sleep_for(milliseconds{1});

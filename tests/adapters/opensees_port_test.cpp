@@ -153,7 +153,7 @@ TEST(OpenSeesPort, NeverMovesTheMachineOnMalformedMessages) {
     std::vector<double> inputs{1, 0, 0, 0}, outputs(ports.size() - inputs.size());
     adapter->activate();
     Status status = Status::Ok;
-    StepData step{0, 0, inputs, outputs};
+    StepData step{0, 0, false, inputs, outputs};
     {
       const Client client{port, is_udp, malformed(random)};
       for (int i = 0; i < 20 && status == Status::Ok; ++i) {
@@ -191,7 +191,7 @@ TEST(OpenSeesPort, AnswersAForeignProgramWithAllMeasurements) {
   append(sent, message(3, 0.02));
   append(sent, message(6, 0));
   Client client{port, false, sent};
-  StepData step{0, 0, inputs, outputs};
+  StepData step{0, 0, false, inputs, outputs};
   bool had_target = false;
   for (int i = 0; i < 20; ++i) {
     step.time = i * 1e-3;
@@ -230,7 +230,7 @@ class Bench {
   Bench& operator=(const Bench&) = delete;
 
   void step(bool has_controller = true) {
-    StepData step{time_ += 1e-3, 0, inputs_, outputs_};
+    StepData step{time_ += 1e-3, 0, false, inputs_, outputs_};
     ASSERT_EQ(adapter_->step(step), Status::Ok) << step.message;
     const bool has_target = outputs_[2] > 0;
     targets_ += has_target && inputs_[1] == 0 ? 1 : 0;

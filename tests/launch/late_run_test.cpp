@@ -23,8 +23,8 @@ namespace {
 
 using Lateness = std::function<Duration(const std::string& node, Duration due)>;
 
-constexpr const char* kExamples[] = {"platen_2d",   "lprb_2d", "lprb_3d", "eqsb_2d", "eqsb_3d",
-                                     "tpfb_2d", "tpfb_3d", "lprb_2d_ats"};
+constexpr const char* kExamples[] = {"platen_2d", "lprb_2d", "lprb_3d", "eqsb_2d",
+                                     "eqsb_3d",   "tpfb_2d", "tpfb_3d", "lprb_2d_ats"};
 constexpr double kDuration = 8;  // up to the strong motion [s]
 
 Experiment example(const std::string& name, const Overrides& changes, double duration = kDuration) {
@@ -36,7 +36,7 @@ Experiment example(const std::string& name, const Overrides& changes, double dur
 /// What a disturbance did to a test.
 struct Ran {
   std::string trouble;
-  double largest_step = 0;                         ///< of a horizontal reference in 1 ms [m]
+  double largest_step = 0;                        ///< of a horizontal reference in 1 ms [m]
   std::array<std::vector<double>, 2> response{};  ///< targets of each axis [m]
 };
 
@@ -54,9 +54,9 @@ Ran ran(const Experiment& experiment, const Lateness& lateness) {
     const auto reference = recorded.signal(axis.reference_echo);
     for (std::size_t row = 1; row < reference.size(); ++row)
       ran.largest_step = std::max(ran.largest_step, std::abs(reference[row] - reference[row - 1]));
-    ran.response[i] = recording::at_each_count(
-        recorded.signal("monitor." + experiment.roles.solver + ".step"),
-        recorded.signal(axis.target));
+    ran.response[i] =
+        recording::at_each_count(recorded.signal("monitor." + experiment.roles.solver + ".step"),
+                                 recorded.signal(axis.target));
   }
   return ran;
 }
@@ -90,8 +90,8 @@ void PrintTo(const Stalls& stalls, std::ostream* out) {
 
 class StalledNode : public ::testing::TestWithParam<Stalls> {};
 
-// Five stops a second in strong motion, of 3 to 50 ms. After a stop of all nodes, each starts again a
-// little after the one before, in an order that changes.
+// Five stops a second in strong motion, of 3 to 50 ms. After a stop of all nodes, each starts again
+// a little after the one before, in an order that changes.
 TEST_P(StalledNode, NeitherTripsNorMovesTheReferenceFaster) {
   constexpr double kLengths[] = {0.003, 0.0082, 0.0113, 0.0204, 0.0501};
   const std::vector<std::string> nodes{"srmd", "xpc", "opf", "recorder"};
@@ -99,8 +99,8 @@ TEST_P(StalledNode, NeitherTripsNorMovesTheReferenceFaster) {
     const double time = to_seconds(due);
     const auto number = static_cast<std::size_t>(time / 0.2);
     const double from = 0.2 * static_cast<double>(number) + 0.0501;
-    const auto place = static_cast<std::size_t>(
-        std::find(nodes.begin(), nodes.end(), node) - nodes.begin());
+    const auto place =
+        static_cast<std::size_t>(std::find(nodes.begin(), nodes.end(), node) - nodes.begin());
     const double end =
         from + kLengths[number % 5] + 5e-5 * static_cast<double>((place + number) % nodes.size());
     const bool stops = GetParam().node.empty() || GetParam().node == node;
@@ -131,10 +131,11 @@ TEST_P(LateTargets, NeitherTripNorChangeTheResponse) {
 
   for (const auto& [fraction, overrun] : test::is_long() ? all : some)
     for (int seed = 1; seed <= test::Repetitions{10, 1, 1}.count(); ++seed) {
-      const Ran late = ran(example(GetParam(), {{"solver.overrun_fraction", fmt::format("{}", fraction)},
-                                                {"solver.overrun_s", fmt::format("{}", overrun)},
-                                                {"seed", fmt::format("{}", seed)}}),
-                           nullptr);
+      const Ran late =
+          ran(example(GetParam(), {{"solver.overrun_fraction", fmt::format("{}", fraction)},
+                                   {"solver.overrun_s", fmt::format("{}", overrun)},
+                                   {"seed", fmt::format("{}", seed)}}),
+              nullptr);
       const auto of = fmt::format("{:g} of {:g} s, seed {}", fraction, overrun, seed);
       EXPECT_EQ(late.trouble, "") << of;
       EXPECT_LT(apart(late, undisturbed), 0.03) << of;

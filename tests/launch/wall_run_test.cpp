@@ -234,6 +234,55 @@ INSTANTIATE_TEST_SUITE_P(Of, Death, ::testing::Values("srmd", "xpc", "opf", "rec
                          [](const auto& victim) { return std::string{victim.param}; });
 
 // Each node finds its memory gone, holds its last inputs and comes to rest by itself.
+/// Stops processes for a while, several times.
+void stall(const std::vector<int>& pids, milliseconds length, int times) {
+  for (int i = 0; i < times; ++i) {
+    for (const int pid : pids) kill(pid, SIGSTOP);
+    std::this_thread::sleep_for(length);
+    for (const int pid : pids) kill(pid, SIGCONT);
+    std::this_thread::sleep_for(milliseconds{150});
+  }
+}
+
+// Machine and controller skip the same steps, so neither finds that the other has stood still.
+TEST(WallRun, MakesTheStepsOfMachineAndControllerInTurns) {
+  WallRun run{"turns", "3", kShortRest};
+  auto pids = run.wait_until_moving();
+  stall({pids["srmd"]}, milliseconds{40}, 3);
+  stall({pids["xpc"]}, milliseconds{40}, 3);
+
+  expect_regular_end(run.running.wait(60));
+
+  const recording::Reader recorded{run.recording()};
+  const auto machine = recorded.signal("monitor.srmd.host.step");
+  const auto controller = recorded.signal("monitor.xpc.host.step");
+  const auto flag = recorded.signal("opf.newTarget");  // negative: the end
+  for (std::size_t row = 0; row < machine.size() && flag[row] >= 0; ++row)
+    EXPECT_LE(std::abs(machine[row] - controller[row]), 2) << row;
+  for (const std::string node : {"srmd", "xpc"}) {
+    const auto skipped = recorded.signal("monitor." + node + ".host.skipped");
+    EXPECT_GE(*std::max_element(skipped.begin(), skipped.end()), 6 * 35) << node;
+  }
+}
+
+// Rows are missing while the recorder is stopped, and the test has no conclusive result.
+TEST(WallRun, IsRepeatedInVirtualTimeIfTheHostWasLate) {
+  WallRun run{"repeated", "3", {"--set", "rest_s=0.5", "--clock", "auto"}};
+  auto pids = run.wait_until_moving();
+  stall({pids["recorder"], pids["xpc"]}, milliseconds{60}, 5);
+
+  const test::Finished finished = run.running.wait(120);
+
+  EXPECT_EQ(finished.exit_code, 0) << finished.err;
+  EXPECT_NE(finished.err.find("rths: the host could not keep real time (up to "), std::string::npos)
+      << finished.err;
+  EXPECT_NE(finished.out.find("real_time.h5 has that attempt"), std::string::npos);
+  const Json numbers = Json::parse(test::content_of(run.folder.path() / "report.json"));
+  EXPECT_EQ(numbers["clock"], "virtual");
+  EXPECT_NE(numbers["real_time"], nullptr);
+  EXPECT_EQ(recording::Reader{run.folder.path() / "real_time.h5"}.meta().at("clock"), "wall");
+}
+
 TEST(WallRun, ComesToRestWhenItsRingIsTruncated) {
   WallRun run{"truncated", "30"};
   const auto pids = run.wait_until_moving();

@@ -88,8 +88,8 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   NodeSettings settings;
   settings.role = Role::Solver;
   // A prompt adapter steps on arrival of new data, so it needs fewer scheduled steps.
-  settings.schedule = schedule_of(opensees.is_prompt ? kPeriod : kPollingPeriod, 0.1 * kPeriod,
-                                  MissedSteps::Skip);
+  settings.schedule =
+      schedule_of(opensees.is_prompt ? kPeriod : kPollingPeriod, 0.1 * kPeriod, MissedSteps::Skip);
   settings.priority = kPriority;
   // The time of OpenSees restarts after static analyses and does not advance during iterations.
   settings.target_count = "step";

@@ -306,8 +306,7 @@ void Diagram::bind_monitors(const WiredBlock& wired) {
 
 std::vector<Port> Diagram::ports() const { return ports_; }
 
-void Diagram::run(const std::vector<std::size_t>& blocks, double time,
-                  bool is_missed) noexcept {
+void Diagram::run(const std::vector<std::size_t>& blocks, double time, bool is_missed) noexcept {
   for (const auto i : blocks) {
     WiredBlock& wired = blocks_[i];
     wired.wires.time = time;

@@ -25,8 +25,7 @@ NodeSettings read_simulink_like(const std::string& /*node*/, const Config& table
   settings.diagram = find_file(table, "diagram", "diagrams");
   if (table.has("constants")) settings.constants = table.resolve(table.text("constants"));
   settings.blocks = table.table_or_empty("blocks");
-  settings.schedule = 
-      schedule_of(diagram_period(settings.diagram), kPhase, MissedSteps::Wait);
+  settings.schedule = schedule_of(diagram_period(settings.diagram), kPhase, MissedSteps::Wait);
   settings.priority = 50;
   settings.keeps_times = true;
   settings.texts = [diagram = settings.diagram, constants = settings.constants] {

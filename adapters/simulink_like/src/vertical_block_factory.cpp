@@ -79,8 +79,7 @@ Block make_vertical_force(const Config& table, const BlockContext& context) {
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {
     return VerticalForceBlock{controller::VerticalForceControl{lead},
-                              controller::ForceCascade{cascade}, is_cascade, limit,
-                              context.period};
+                              controller::ForceCascade{cascade}, is_cascade, limit, context.period};
   });
   return block;
 }

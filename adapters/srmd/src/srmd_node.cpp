@@ -27,8 +27,8 @@ std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context
 
 // A machine file with the changes of the experiment, and the member of its family.
 sim::machine::FamilyMember read_member(const Config& table, NodeSettings& settings) {
-  const Config file = Config::load(find_file(table, "model", "machines"))
-                          .overlaid(table.table_or_empty("changes"));
+  const Config file =
+      Config::load(find_file(table, "model", "machines")).overlaid(table.table_or_empty("changes"));
   settings.schedule.missed = read_late_inputs(file, "due", MissedSteps::Wait);
   const auto nominal = sim::machine::read_platen_machine(file.without("late_inputs"));
   const auto index = table.integer_in("family_member", 0, sim::machine::kFamilySize, 0);
@@ -77,7 +77,7 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
     settings.schedule.missed = read_late_inputs(table, "due", MissedSteps::Wait);
   if (table.has("model"))
     settings.make = [member = read_member(table, settings)](const TestSetup& test,
-                                                  const NodeContext& context) {
+                                                            const NodeContext& context) {
       return test.has_identified_machine ? make(test, context) : make_platen(member, test, context);
     };
   return with_safety(std::move(settings), table.table_or_empty("safety"), setup,

@@ -39,8 +39,8 @@ struct Port {
 
 /// Inputs and outputs of one step.
 struct StepData {
-  double time = 0;                 ///< scheduled time since the start of the run [s]
-  double age = 0;                  ///< from then until the inputs were read [s]; 0 in virtual time
+  double time = 0;  ///< scheduled time since the start of the run [s]
+  double age = 0;   ///< from then until the inputs were read [s]; 0 in virtual time
   /// The step is made after its time, as others were due: those of a late node catch up.
   bool is_missed = false;
   std::span<const double> inputs;  ///< Inputs and Parameters, in the order of `ports`

@@ -97,10 +97,10 @@ class AdapterRunner {
   void keep(const Timing& timing) RTHS_REALTIME;
   [[nodiscard]] const StepTimes& times() const { return times_; }
 
-  /// Waits until `epoch + due` or the adapter's Wake event, then at most `kLongestAwaited` for an
-  /// awaited step.
-  /// @realtime, except for the sleep
-  void wait_until(TimePoint epoch, Duration due, Clock& clock) RTHS_REALTIME;
+  /// Waits until `time` or the adapter's Wake event.   @realtime, except for the sleep
+  void wait_until(TimePoint time, Clock& clock) RTHS_REALTIME;
+  /// Waits at most `kLongestAwaited` for the awaited steps.   @realtime, except for the sleep
+  void wait_for_others(Clock& clock) RTHS_REALTIME;
 
   [[nodiscard]] const char* message() const { return step_.message; }
   /// Why the adapter asks for the end of the run while it comes to rest; empty: it does not.
@@ -143,7 +143,6 @@ class AdapterRunner {
   [[nodiscard]] Status read_newest() noexcept;
   [[nodiscard]] Status read_until(TimePoint time) noexcept;
   void keep(const broker::Write& write) noexcept;
-  void wait_for_event(TimePoint time, Clock& clock) noexcept;
   [[nodiscard]] Status take(const Transfer& transfer) noexcept;
   [[nodiscard]] Status write_outputs() noexcept;
   void write_own_monitors(Status status, const Timing& timing) noexcept;

@@ -80,7 +80,7 @@ struct TickTimes {
 struct TickOrder {
   std::vector<std::size_t> machine_before;     ///< ticks of the machine, by tick of the controller
   std::vector<std::size_t> controller_before;  ///< ticks of the controller, by tick of the machine
-  std::vector<bool> missed;  ///< by tick of the controller: its command waited
+  std::vector<bool> missed;                    ///< by tick of the controller: its command waited
 
   [[nodiscard]] std::size_t machine_ticks(std::size_t controller_tick) const {
     return controller_tick < machine_before.size() ? machine_before[controller_tick]
