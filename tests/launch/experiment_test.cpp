@@ -406,7 +406,7 @@ TEST_F(ExperimentTest, FindsMistakesOfADiagramThatConcernTheMap) {
             "controller.toml:28:1: block 'acceleration': the map has no signal "
             "'srmd.long.acel.fbk' (did you mean 'srmd.long.accel.fbk'?)");
   EXPECT_EQ(error_with_diagram("in.in = \"limits\"", "in.in = \"observer.force\""),
-            "controller.toml:93:1: 'reference.in' takes [m], the unit of 'xpc.long.displ.ref', "
+            "controller.toml:94:1: 'reference.in' takes [m], the unit of 'xpc.long.displ.ref', "
             "'observer.force' gives [N]");
 }
 
