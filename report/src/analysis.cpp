@@ -229,7 +229,7 @@ void note_left_out(Analysis& analysis, const Roles& roles, bool has_uncompensate
   if (!has_numerical)
     leave_out("numerical result",
               analysis.ending.empty()
-                  ? "the solver is a program whose structure [plant] does not state"
+                  ? "the structure of the solver is its own: state it as [plant] or its response as [reference]"
                   : "the run ended early");
 }
 

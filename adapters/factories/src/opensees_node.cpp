@@ -8,6 +8,8 @@
 
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
+#include <rths/adapters/srmd_node.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -32,7 +34,7 @@ OpenSeesScript read_script(const Config& table) {
   const std::string python = table.text("python", default_python());
   const auto arguments = table.texts("arguments", {});
   check_placeholders(table, "arguments", arguments,
-                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder});
+                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kResultsPlaceholder});
   if (!table.has("script")) {
     for (const char* key : {"arguments", "python"})
       if (table.has(key))
@@ -51,8 +53,21 @@ OpenSeesScript read_script(const Config& table) {
 void complete_script(const TestSetup& setup, const NodeContext& context, OpenSeesScript& script) {
   script.log = file_beside(context.recording, context.node, ".log");
   const auto motion = file_beside(context.recording, context.node, ".motion.csv");
-  for (auto& argument : script.command)
+  const auto results = std::filesystem::absolute(context.recording).replace_extension();
+  for (auto& argument : script.command) {
     if (fill_in(argument, setup, motion)) script.files = {{motion, motion_text(setup.motion)}};
+    replace_all(argument, kResultsPlaceholder, results.string());
+  }
+}
+
+// An ideal machine moves the tested axes only.
+bool can_repeat(const OpenSeesSettings& opensees, const TestSetup& setup) {
+  return !opensees.script.command.empty() &&
+         std::all_of(opensees.elements.begin(), opensees.elements.end(), [&](const auto& element) {
+           return element.actuators.empty() &&
+                  std::all_of(element.axes.begin(), element.axes.end(),
+                              [&](const auto& axis) { return contains(setup.axes, axis.axis); });
+         });
 }
 
 std::function<void()> program_check(const OpenSeesScript& script, const std::string& node) {
@@ -95,6 +110,9 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   settings.target_count = "step";
   settings.motion_fault = motion_fault(opensees.script.command, node);
   settings.check = program_check(opensees.script, node);
+  if (can_repeat(opensees, setup))
+    settings.ideal_machine =
+        std::make_shared<const NodeSettings>(read_ideal_machine(node, Config{}, setup));
   settings.make = [opensees](const TestSetup& test, const NodeContext& context) {
     OpenSeesSettings complete = opensees;
     complete.layout = opf_layout(context.map);
