@@ -75,9 +75,8 @@ adapters::DisplacementHistory motion_in(const recording::Reader& numerical,
     const auto values = numerical.signal(std::string{"result.displ."} + axis);
     std::vector<double> found{0};
     for (long i = 1; i <= steps; ++i) {
-      const double place =
-          std::clamp(static_cast<double>(i) * history.time_step / interval - 1, 0.0,
-                     static_cast<double>(values.size() - 1));
+      const double place = std::clamp(static_cast<double>(i) * history.time_step / interval - 1,
+                                      0.0, static_cast<double>(values.size() - 1));
       const auto before = static_cast<std::size_t>(place);
       const auto after = std::min(before + 1, values.size() - 1);
       found.push_back(
@@ -217,15 +216,17 @@ class Steps {
     begin("the numerical result");
     const auto file = settings_.folder / kNumerical;
     if (!launch::run_numerical(experiment_, file, settings_.version))
-      throw Error{experiment_.file.string() +
-                  ": the structure of the solver is its own, expected it as [plant] or its response "
-                  "as [reference]"};
+      throw Error{
+          experiment_.file.string() +
+          ": the structure of the solver is its own, expected it as [plant] or its response "
+          "as [reference]"};
     motion_ = motion_in(recording::Reader{file}, experiment_);
   }
 
   bool check_path() {
     begin("the path with an imposed motion");
-    const auto outcome = run_virtually(with_imposed_motion(experiment_, motion_), settings_, imposed());
+    const auto outcome =
+        run_virtually(with_imposed_motion(experiment_, motion_), settings_, imposed());
     // A safety layer may end the path because of a signal; its rows up to there name the signal.
     if (!outcome.completed)
       result_.reasons.push_back("the path did not reach its end: " + outcome.trouble);

@@ -254,9 +254,8 @@ Experiment with_ideal_machine(const Experiment& experiment, const NodePlan& solv
   machine.schedule = machine.settings.schedule;
   ideal.nodes.push_back(std::move(machine));
   for (auto& plan : ideal.nodes) plan.host.clear();
-  std::stable_sort(ideal.nodes.begin(), ideal.nodes.end(), [](const auto& a, const auto& b) {
-    return a.settings.role < b.settings.role;
-  });
+  std::stable_sort(ideal.nodes.begin(), ideal.nodes.end(),
+                   [](const auto& a, const auto& b) { return a.settings.role < b.settings.role; });
   return ideal;
 }
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/computing_times.hpp>
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
 #include <rths/adapters/srmd_node.hpp>
@@ -33,8 +34,9 @@ OpenSeesScript read_script(const Config& table) {
       table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
   const std::string python = table.text("python", default_python());
   const auto arguments = table.texts("arguments", {});
-  check_placeholders(table, "arguments", arguments,
-                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kResultsPlaceholder});
+  check_placeholders(
+      table, "arguments", arguments,
+      {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kResultsPlaceholder});
   if (!table.has("script")) {
     for (const char* key : {"arguments", "python"})
       if (table.has(key))
@@ -120,6 +122,10 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
     complete.rest = test.rest;
     complete.wait_deadline = test.wait_deadline * test.rate;
     complete.stops_time = context.is_virtual;
+    if (test.model_computing_time)
+      complete.computing_time = [times = ComputingTimes{test.computing_time}]() mutable {
+        return times.draw();
+      };
     complete_script(test, context, complete.script);
     return make_opensees(complete);
   };
