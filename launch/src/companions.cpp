@@ -14,6 +14,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/recording/roles.hpp>
+#include <rths/recording/step_at.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::launch {

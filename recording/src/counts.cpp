@@ -7,11 +7,6 @@
 
 namespace rths::recording {
 
-long step_at(double time, double step) {
-  constexpr double kRounding = 0.01;  // of a recorded time, over a step
-  return static_cast<long>(std::ceil(time / step - kRounding)) - 1;
-}
-
 std::vector<double> at_each_count(const std::vector<double>& counter,
                                   const std::vector<double>& signal) {
   const std::size_t rows = std::min(counter.size(), signal.size());

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/recording/step_at.hpp>
 
 #include "evidence.hpp"
 

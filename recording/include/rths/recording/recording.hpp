@@ -132,10 +132,6 @@ class Reader {
 [[nodiscard]] std::vector<double> at_each_count(const std::vector<double>& counter,
                                                 const std::vector<double>& signal);
 
-/// The integration step, from 0, in which the model time of a target lies; negative before the
-/// first. Targets of an α-method lie within their step, others at its end.
-[[nodiscard]] long step_at(double time, double step);
-
 /// One value per tick of a node, up to the end of the test. The reader must outlive it.   @setup
 class NodeTicks {
  public:
