@@ -100,7 +100,6 @@ struct CommissioningArguments {
   // pretest
   std::string machine;            ///< recording of the machine; empty: the virtual one
   std::vector<std::string> sets;  ///< key=value
-  double most_difference = 50;    ///< of the responses [%]
 };
 /// Splits "key=value". @throws CLI::ValidationError
 [[nodiscard]] Changes split_changes(const std::vector<std::string>& sets);

@@ -99,7 +99,6 @@ int pretest(const CommissioningArguments& a) {
   else
     create_folder(settings.folder = a.out);
   if (!a.machine.empty()) settings.machine = recording_of(a.machine);
-  settings.most_difference = a.most_difference / 100;
   settings.version = version();
   const auto result = commissioning::pretest(experiment, settings);
   fmt::print("{}", a.json ? commissioning::json_of(result) : commissioning::text_of(result));
@@ -185,11 +184,6 @@ void add_pretest(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
   command->add_option("experiment", a.files, "Experiment file")->required()->expected(1);
   command->add_option("--machine", a.machine,
                       "Recording of the real machine, which is identified [the virtual machine]");
-  command
-      ->add_option("--most-difference-percent", a.most_difference,
-                   "Go up to this difference of the response from the numerical result")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->capture_default_str();
   command->add_option("--out", a.out,
                       "Folder for the recordings of the first two runs [none is kept]");
   command->add_option("--set", a.sets, "Override a key of the experiment: key=value")

@@ -85,8 +85,9 @@ void run_improved(const RunArguments& arguments, const std::filesystem::path& fr
                   const std::filesystem::path& folder) {
   try {
     const auto changes = improved_by({fragment}, arguments.experiment, arguments.changes);
-    launch::run_numerical(load_experiment(arguments.experiment, changes),
-                          folder / report::kImprovedFile);
+    const auto experiment = load_experiment(arguments.experiment, changes);
+    if (experiment.reference) return;  // it does not depend on the model
+    launch::run_numerical(experiment, folder / report::kImprovedFile, version());
   } catch (const Error& error) {
     write_message(fmt::format("rths: no improved numerical result: {}\n", error.what()));
   }
@@ -133,6 +134,16 @@ Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& f
   }
 }
 
+// The recording is complete, so a failure is printed only.
+void run_numerical(const launch::Experiment& experiment, const std::filesystem::path& file) {
+  try {
+    launch::run_numerical(experiment, file, version());
+  } catch (const Error& error) {
+    stop_if_interrupted();
+    write_message(fmt::format("rths: no numerical result: {}\n", error.what()));
+  }
+}
+
 int print(const report::ReportOutcome& written) {
   fmt::print("report    {}\nnumbers   {}\n{}", written.page.string(), written.numbers.string(),
              written.summary);
@@ -150,7 +161,7 @@ void compress(const std::filesystem::path& file) {
 
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
-             const std::filesystem::path& folder, const std::vector<report::Broken>& broken) {
+             const std::filesystem::path& folder, std::vector<report::Broken> broken) {
   const bool has_held_out = experiment.held_out.has_value() && !has_adapter(experiment, "external");
   const bool diagnoses = has_held_out && arguments.diagnoses;
   std::optional<Steps> steps{std::in_place, 3 + (has_held_out ? 1 : 0) + (diagnoses ? 1 : 0)};
@@ -159,7 +170,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
                             folder / report::kUncompensatedFile, version());
   compress(folder / report::kUncompensatedFile);
   steps->begin("the numerical result");
-  launch::run_numerical(experiment, folder / report::kNumericalFile);
+  run_numerical(experiment, folder / report::kNumericalFile);
   compress(folder / report::kNumericalFile);
   stop_if_interrupted();
   if (has_held_out) {
@@ -174,6 +185,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
     compress(folder / report::kImprovedFile);
   }
   steps->begin("the report");
+  broken = report::judge_run(folder);
   const auto written = report::make_report(folder, broken);
   steps.reset();  // removes its line before the results are printed
   fmt::print("{}", diagnosed.text);
@@ -224,8 +236,7 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
     throw Error{recording.string() + ": was removed during the run"};
   compress(recording);
   if (experiment.history) return kOk;  // commanded displacements: no response to judge
-  const auto broken = report::judge(recording::Reader{recording});
-  return conclude(arguments, experiment, folder, broken);
+  return conclude(arguments, experiment, folder, report::judge(recording::Reader{recording}));
 }
 
 // A run that the safety layer or a fault of the ring has ended has a report, too, which says so.
@@ -341,8 +352,7 @@ int report(const std::string& folder, const std::string& beside) {
   if (!std::filesystem::is_directory(folder))
     throw Error{folder + ": is no folder, expected that of a run"};
   const FolderLock lock{folder};
-  const std::filesystem::path recording = std::filesystem::path{folder} / report::kRunFile;
-  return print(report::make_report(folder, report::judge(recording::Reader{recording}), beside));
+  return print(report::make_report(folder, report::judge_run(folder), beside));
 }
 
 std::string version() { return RTHS_VERSION; }

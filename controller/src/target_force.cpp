@@ -99,24 +99,10 @@ class StrengthFit {
 
 namespace {
 
-// The expected strength, on the two smooth sliders around its reach: they have its stiffness.
 Eigen::VectorXd expected_strengths(const TargetForceSettings& s) {
-  const auto& reach = s.smooth_reach;
-  Eigen::VectorXd expected =
-      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(s.reach.size() + reach.size()));
-  if (s.expected_strength == 0) return expected;
-  auto smooth = expected.tail(static_cast<Eigen::Index>(reach.size()));
-  const double slip = s.expected_strength / s.expected_stiffness;
-  const auto above = std::find_if(reach.begin(), reach.end(), [&](double r) { return r >= slip; });
-  const auto j = static_cast<Eigen::Index>(above - reach.begin());
-  if (above == reach.begin() || above == reach.end()) {
-    smooth[std::min(j, smooth.size() - 1)] = s.expected_strength;
-    return expected;
-  }
-  const double share = (1 / slip - 1 / *above) / (1 / above[-1] - 1 / *above);
-  smooth[j - 1] = share * s.expected_strength;
-  smooth[j] = (1 - share) * s.expected_strength;
-  return expected;
+  const auto sliders = static_cast<Eigen::Index>(s.reach.size() + s.smooth_reach.size());
+  if (s.expected.empty()) return Eigen::VectorXd::Zero(sliders);
+  return Eigen::Map<const Eigen::VectorXd>{s.expected.data(), sliders};
 }
 
 }  // namespace
@@ -208,14 +194,13 @@ TargetForce::TargetForce(const TargetForceSettings& settings) {
     for (const double reach : *sliders)
       kRequireTargetForce(reach >= kLeastReach && reach <= kLargestReach, "reach of a slider",
                           reach, "1e-6 to 10 m");
-  if (const auto& smooth = settings.smooth_reach; !std::is_sorted(smooth.begin(), smooth.end()))
-    kRequireTargetForce(false, "first smooth reach", smooth[0], "an ascending list");
-  if (settings.expected_strength != 0) {
-    kRequireTargetForce.positive("expected strength", settings.expected_strength);
-    kRequireTargetForce.positive("expected stiffness", settings.expected_stiffness);
-    kRequireTargetForce(!settings.smooth_reach.empty(), "number of smooth sliders", 0,
-                        "at least 1 with an expected strength");
-  }
+  const std::size_t sliders = settings.reach.size() + settings.smooth_reach.size();
+  if (!settings.expected.empty() && settings.expected.size() != sliders)
+    kRequireTargetForce(false, "number of expected strengths",
+                        static_cast<double>(settings.expected.size()), "one of each slider");
+  for (const double strength : settings.expected)
+    kRequireTargetForce(strength >= 0 && std::isfinite(strength), "expected strength", strength,
+                        "at least 0 N");
   kRequireTargetForce(settings.lead_time >= 0, "lead time", settings.lead_time, "at least 0 s");
   kRequireTargetForce(settings.forgetting > settings.period, "forgetting", settings.forgetting,
                       "more than a period");

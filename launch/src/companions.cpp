@@ -5,6 +5,7 @@
 #include <rths/launch/run.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <system_error>
 
@@ -13,6 +14,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/recording/roles.hpp>
+#include <rths/recording/step_at.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::launch {
@@ -157,6 +159,160 @@ void run_companion(const Experiment& experiment, const std::filesystem::path& re
   throw Error{fmt::format("the run {} failed: {}", experiment.companion, outcome.trouble)};
 }
 
+// The project's own structure, isolated and on a fixed base.
+void write_analysis(const Experiment& experiment, const std::filesystem::path& recording) {
+  const sim::PlantMatrices plant = sim::assemble(experiment.plant);
+  const sim::GroundMotion motion = along_tested_axes(experiment);
+  const auto isolated =
+      sim::numerical_response(plant, motion, experiment.model, kReferenceStep, experiment.duration);
+  const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.model,
+                                             kReferenceStep, experiment.duration);
+  std::vector<double> ground_long;
+  std::vector<double> ground_lat;
+  for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {
+    const Eigen::Vector2d ground = motion.at(static_cast<double>(i) * kReferenceStep);
+    ground_long.push_back(ground[0]);
+    ground_lat.push_back(ground[1]);
+  }
+  ResultMap result;
+  result.add("displ.long", "m", isolated.displacement_long);
+  result.add("displ.lat", "m", isolated.displacement_lat);
+  result.add("force.long", "N", isolated.force_long);
+  result.add("force.lat", "N", isolated.force_lat);
+  result.add("ground.accel.long", "m/s2", ground_long);
+  result.add("ground.accel.lat", "m/s2", ground_lat);
+  add_floors(result, "isolated.", isolated);
+  add_floors(result, "fixed.", fixed);
+  std::string names;
+  for (const auto& floor : isolated.floors) names += floor.name + "\n";
+  result.write(recording, kReferenceStep, {{{"floors", names}}, {}, {}});
+}
+
+/// Displacement and force of the bearing at equal intervals, long and lat; the first row is one
+/// interval after the start.
+struct BearingResponse {
+  double interval = 0;  ///< [s]
+  std::array<std::vector<double>, 2> displacement, force;
+  void write(const std::filesystem::path& recording) const {
+    ResultMap result;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      result.add(std::string{"displ."} + kDirections[axis], "m", displacement[axis]);
+      result.add(std::string{"force."} + kDirections[axis], "N", force[axis]);
+    }
+    result.write(recording, interval, {{{"floors", ""}}, {}, {}});
+  }
+};
+
+// The force is that of the model under the stated motion.
+void write_reference(const Experiment& experiment, const std::filesystem::path& recording) {
+  const auto& stated = *experiment.reference;
+  BearingResponse response{stated.time_step, {}, {}};
+  sim::BearingRun bearing{experiment.model, stated.time_step};
+  const std::array<const std::vector<double>*, 2> motion{&stated.displacement_long,
+                                                         &stated.displacement_lat};
+  for (std::size_t row = 1; row < motion[0]->size(); ++row) {
+    Eigen::Vector2d displacement, before;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      displacement[static_cast<Eigen::Index>(axis)] = (*motion[axis])[row];
+      before[static_cast<Eigen::Index>(axis)] = (*motion[axis])[row - 1];
+    }
+    const Eigen::Vector2d force = bearing.advance(
+        displacement, (displacement - before) / stated.time_step, experiment.model.axial_load);
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      response.displacement[axis].push_back(displacement[static_cast<Eigen::Index>(axis)]);
+      response.force[axis].push_back(force[static_cast<Eigen::Index>(axis)]);
+    }
+  }
+  response.write(recording);
+}
+
+// The test with an ideal machine in place of controller and machine, and the model in place of the
+// specimen. The recording's rows must resolve the steps, so short ones take longer.
+Experiment with_ideal_machine(const Experiment& experiment, const NodePlan& solver) {
+  constexpr double kLeastStep = 0.01;  // [s]
+  Experiment ideal = experiment;
+  ideal.companion = "with an ideal machine";
+  ideal.rate = std::max(1.0, kLeastStep / experiment.integration_step);
+  ideal.rest = 0;
+  ideal.specimen = ideal.machine.specimen = experiment.model;
+  ideal.model_computing_time = false;
+  ideal.cards.reset();
+  ideal.hosts.clear();
+  ideal.role_table = Config{};
+  std::erase_if(ideal.nodes, [&](const NodePlan& plan) {
+    return plan.node != solver.node && plan.settings.role != adapters::Role::Recorder;
+  });
+  const memmap::Map map = memmap::load_map(experiment.map);
+  const auto& answer = experiment.roles.axes.front().returned_force;
+  const auto word = map.find_signal(answer);
+  if (!word)
+    throw Error{fmt::format("{}: the map has no signal {}, which an ideal machine writes",
+                            experiment.file.string(), answer)};
+  NodePlan machine;
+  machine.node = map.entry(*word).partition->node;
+  machine.adapter = "ideal_machine";
+  machine.settings = *solver.settings.ideal_machine;
+  machine.schedule = machine.settings.schedule;
+  ideal.nodes.push_back(std::move(machine));
+  for (auto& plan : ideal.nodes) plan.host.clear();
+  std::stable_sort(ideal.nodes.begin(), ideal.nodes.end(),
+                   [](const auto& a, const auto& b) { return a.settings.role < b.settings.role; });
+  return ideal;
+}
+
+// Values at each target, by integration step. A step without a move keeps the value before.
+std::vector<double> by_step(const std::vector<double>& times, const std::vector<double>& values,
+                            double step, std::size_t count) {
+  std::vector<double> all;
+  double value = 0;
+  for (std::size_t i = 0; i < std::min(times.size(), values.size()); ++i) {
+    const long found = recording::step_at(times[i], step);
+    if (found < 0 || found >= static_cast<long>(count)) continue;
+    const auto at = static_cast<std::size_t>(found);
+    all.resize(std::max(all.size(), at), value);
+    value = values[i];
+    if (at == all.size())
+      all.push_back(value);
+    else
+      all[at] = value;
+  }
+  all.resize(count, value);
+  return all;
+}
+
+BearingResponse response_in(const Experiment& experiment, const recording::Reader& run,
+                            const std::string& solver) {
+  const auto moves = run.signal("monitor." + solver + ".step");
+  const double step = experiment.integration_step;
+  const auto count = static_cast<std::size_t>(std::llround(experiment.duration / step));
+  const auto times = recording::at_each_count(moves, run.signal(experiment.roles.time));
+  BearingResponse response{step, {}, {}};
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    response.displacement[axis].assign(count, 0);
+    response.force[axis].assign(count, 0);
+    for (const auto& words : experiment.roles.axes) {
+      if (words.axis != kDirections[axis]) continue;
+      response.displacement[axis] =
+          by_step(times, recording::at_each_count(moves, run.signal(words.target)), step, count);
+      // The force at a target is there when the next one comes.
+      auto force = recording::at_each_count(moves, run.signal(words.returned_force));
+      if (!force.empty()) force.erase(force.begin());
+      force.push_back(run.signal(words.returned_force).back());
+      response.force[axis] = by_step(times, force, step, count);
+    }
+  }
+  return response;
+}
+
+void repeat_solver(const Experiment& experiment, const NodePlan& solver,
+                   const std::filesystem::path& recording, const std::string& version) {
+  const Experiment ideal = with_ideal_machine(experiment, solver);
+  run_companion(ideal, recording, version);
+  const auto response = response_in(ideal, recording::Reader{recording}, solver.node);
+  std::filesystem::remove(recording);
+  response.write(recording);
+}
+
 }  // namespace
 
 bool run_uncompensated(const Experiment& experiment, const std::filesystem::path& history,
@@ -186,33 +342,16 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
   return true;
 }
 
-bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording) {
-  if (!experiment.has_structure()) return false;
-  const sim::PlantMatrices plant = sim::assemble(experiment.plant);
-  const sim::GroundMotion motion = along_tested_axes(experiment);
-  const auto isolated =
-      sim::numerical_response(plant, motion, experiment.model, kReferenceStep, experiment.duration);
-  const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.model,
-                                             kReferenceStep, experiment.duration);
-  std::vector<double> ground_long;
-  std::vector<double> ground_lat;
-  for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {
-    const Eigen::Vector2d ground = motion.at(static_cast<double>(i) * kReferenceStep);
-    ground_long.push_back(ground[0]);
-    ground_lat.push_back(ground[1]);
-  }
-  ResultMap result;
-  result.add("displ.long", "m", isolated.displacement_long);
-  result.add("displ.lat", "m", isolated.displacement_lat);
-  result.add("force.long", "N", isolated.force_long);
-  result.add("force.lat", "N", isolated.force_lat);
-  result.add("ground.accel.long", "m/s2", ground_long);
-  result.add("ground.accel.lat", "m/s2", ground_lat);
-  add_floors(result, "isolated.", isolated);
-  add_floors(result, "fixed.", fixed);
-  std::string names;
-  for (const auto& floor : isolated.floors) names += floor.name + "\n";
-  result.write(recording, kReferenceStep, {{{"floors", names}}, {}, {}});
+bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording,
+                   const std::string& version) {
+  if (experiment.reference)
+    write_reference(experiment, recording);
+  else if (experiment.solves_plant())
+    write_analysis(experiment, recording);
+  else if (const NodePlan* solver = experiment.repeatable_solver())
+    repeat_solver(experiment, *solver, recording, version);
+  else
+    return false;
   return true;
 }
 

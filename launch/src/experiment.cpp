@@ -277,6 +277,21 @@ void read_roles(const Config& file, Experiment& experiment) {
         {words.axis, words.reference, words.machine_displacement, words.machine_force});
 }
 
+// The response of another structure would be no expected motion.
+void check_targets(const Config& file, const Experiment& experiment) {
+  const Config targets = file.table_or_empty("targets");
+  if (targets.text("kind", "") != "response" || experiment.solves_plant()) return;
+  targets.fail("kind",
+               "kind is 'response', but the solver has a structure of its own, expected 'file'");
+}
+
+void read_reference(const Config& file, Experiment& experiment) {
+  if (!file.has("reference")) return;
+  const Config table = file.table("reference");
+  experiment.reference = adapters::read_displacements(table);
+  table.reject_unknown_keys();
+}
+
 void require_motion(const Config& file, const Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
     if (!plan.settings.motion_fault.empty()) file.fail("held_out", plan.settings.motion_fault);
@@ -315,6 +330,22 @@ bool Experiment::has_own_solver() const {
   return std::any_of(nodes.begin(), nodes.end(), [](const NodePlan& plan) {
     return plan.settings.role == adapters::Role::Solver && !plan.settings.program;
   });
+}
+
+bool Experiment::integrates_plant() const {
+  return std::any_of(nodes.begin(), nodes.end(),
+                     [](const NodePlan& plan) { return plan.settings.integrates_plant; });
+}
+
+const NodePlan* Experiment::repeatable_solver() const {
+  const auto found = std::find_if(nodes.begin(), nodes.end(), [](const NodePlan& plan) {
+    return plan.settings.ideal_machine != nullptr;
+  });
+  return found == nodes.end() ? nullptr : &*found;
+}
+
+bool Experiment::solves_plant() const {
+  return integrates_plant() || (has_plant && repeatable_solver() == nullptr);
 }
 
 bool Experiment::has_user_program() const {
@@ -391,6 +422,8 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_uncompensated(file.table_or_empty("uncompensated"), experiment);
   experiment.conclusive = file.table_or_empty("conclusive");
   experiment.has_plant = file.has("plant");
+  check_targets(file, experiment);
+  read_reference(file, experiment);
   read_roles(file, experiment);
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();

@@ -227,10 +227,10 @@ void note_left_out(Analysis& analysis, const Roles& roles, bool has_uncompensate
               "there is no run without compensation: the experiment has no [uncompensated], or a "
               "node has no virtual time");
   if (!has_numerical)
-    leave_out("numerical result",
-              analysis.ending.empty()
-                  ? "the solver is a program whose structure [plant] does not state"
-                  : "the run ended early");
+    leave_out("numerical result", analysis.ending.empty()
+                                      ? "the structure of the solver is its own: state it as "
+                                        "[plant] or its response as [reference]"
+                                      : "the run ended early");
 }
 
 std::optional<Reader> open_if_there(const std::filesystem::path& file) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/recording/step_at.hpp>
 
 #include "evidence.hpp"
 
@@ -35,7 +36,8 @@ std::optional<double> value_at(double time, const std::vector<double>& values, d
                                bool has_same_interval) {
   constexpr double kRounding = 1e-3;  // of recorded times, over an interval
   const double place = time / interval - 1;
-  const auto nearest = std::lround(time / interval) - 1;
+  const auto nearest =
+      has_same_interval ? recording::step_at(time, interval) : std::lround(time / interval) - 1;
   const auto rows = static_cast<long>(values.size());
   const auto value = [&](long row) { return values[static_cast<std::size_t>(row)]; };
   if (has_same_interval || std::abs(place - static_cast<double>(nearest)) < kRounding)
@@ -67,31 +69,6 @@ double difference(const Response& test, const NumericalAxis& other, double inter
   return all > 0 ? std::sqrt(apart / all) : 0;
 }
 
-std::vector<NumericalAxis> numerical_axes(const Analysis& analysis, const Reader& run,
-                                          const Roles& roles, const Reader& numerical) {
-  // The solver's own count is exact where its target and the controller's are not of one row.
-  const std::string counter = "monitor." + roles.solver + ".step";
-  const auto steps = run.has(counter) ? run.signal(counter) : targets_of(run, roles);
-  const auto time = times_of_targets(run, roles, steps, analysis.integration_step);
-  std::vector<NumericalAxis> axes;
-  for (const auto& names : roles.axes) {
-    const bool is_tested = std::any_of(analysis.axes.begin(), analysis.axes.end(),
-                                       [&](const auto& axis) { return axis.name == names.axis; });
-    if (!is_tested || !run.has(names.target)) continue;
-    NumericalAxis result;
-    result.name = names.axis;
-    result.displacement = numerical.signal("result.displ." + names.axis);
-    result.force = numerical.signal("result.force." + names.axis);
-    result.peak_displacement = largest_magnitude(result.displacement);
-    result.peak_shear = largest_magnitude(result.force);
-    const auto displacement = at_each_count(steps, run.signal(names.target));
-    result.difference = difference({time, displacement, analysis.integration_step}, result,
-                                   analysis.numerical_interval);
-    axes.push_back(std::move(result));
-  }
-  return axes;
-}
-
 // The other test's response along an axis of this one.
 NumericalAxis response_of(const AxisAnalysis& other, double other_step, const AxisAnalysis& axis,
                           double step) {
@@ -117,12 +94,53 @@ void add_spectra_of(Analysis& analysis, const Analysis& other) {
 
 }  // namespace
 
+std::vector<NumericalAxis> numerical_axes(const Reader& run, const Roles& roles, double step,
+                                          const Reader& numerical) {
+  const double interval = numerical.time()[1] - numerical.time()[0];
+  // The solver's own count is exact where its target and the controller's are not of one row.
+  const std::string counter = "monitor." + roles.solver + ".step";
+  const auto steps = run.has(counter) ? run.signal(counter) : targets_of(run, roles);
+  const auto time = times_of_targets(run, roles, steps, step);
+  std::vector<NumericalAxis> axes;
+  for (const auto& names : roles.axes) {
+    if (!run.has(names.target)) continue;
+    NumericalAxis result;
+    result.name = names.axis;
+    result.displacement = numerical.signal("result.displ." + names.axis);
+    result.force = numerical.signal("result.force." + names.axis);
+    result.peak_displacement = largest_magnitude(result.displacement);
+    result.peak_shear = largest_magnitude(result.force);
+    const auto displacement = at_each_count(steps, run.signal(names.target));
+    result.difference = difference({time, displacement, step}, result, interval);
+    axes.push_back(std::move(result));
+  }
+  return axes;
+}
+
+std::map<std::string, double> response_differences(const Reader& run, const Reader& numerical) {
+  std::map<std::string, double> differences;
+  const auto experiment = recording::experiment_in(run);
+  if (!experiment) return differences;
+  const double step = experiment->number("integration_step_s", 0.01);
+  for (const auto& axis : numerical_axes(run, recording::roles_of(run), step, numerical))
+    differences[axis.name] = axis.difference;
+  return differences;
+}
+
 void add_companions(Analysis& analysis, const Reader& run, const Roles& roles,
                     const Reader* numerical, const Reader* improved) {
   if (numerical == nullptr) return;
   analysis.numerical_interval = numerical->time()[1] - numerical->time()[0];
-  analysis.numerical = numerical_axes(analysis, run, roles, *numerical);
-  if (improved != nullptr) analysis.improved = numerical_axes(analysis, run, roles, *improved);
+  const auto of_analysed_axes = [&](const Reader& result) {
+    auto axes = numerical_axes(run, roles, analysis.integration_step, result);
+    std::erase_if(axes, [&](const NumericalAxis& axis) {
+      return std::none_of(analysis.axes.begin(), analysis.axes.end(),
+                          [&](const auto& one) { return one.name == axis.name; });
+    });
+    return axes;
+  };
+  analysis.numerical = of_analysed_axes(*numerical);
+  if (improved != nullptr) analysis.improved = of_analysed_axes(*improved);
 }
 
 void add_beside(Analysis& analysis, const std::filesystem::path& folder) {

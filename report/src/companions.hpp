@@ -14,6 +14,12 @@ namespace rths::report {
 void add_companions(Analysis& analysis, const recording::Reader& run, const recording::Roles& roles,
                     const recording::Reader* numerical, const recording::Reader* improved);
 
+/// Of the tested axes whose targets are recorded.
+/// @param step  integration step of the run [s]
+[[nodiscard]] std::vector<NumericalAxis> numerical_axes(const recording::Reader& run,
+                                                        const recording::Roles& roles, double step,
+                                                        const recording::Reader& numerical);
+
 /// Response and floor spectra of another test, such as the same test at another speed.
 /// @throws Error if it lacks an axis of this one
 void add_beside(Analysis& analysis, const std::filesystem::path& folder);

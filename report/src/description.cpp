@@ -128,16 +128,21 @@ std::string laboratory_sentence(const Config& file, const MachineNode& machine) 
 
 std::string structure_sentence(const Config& file) {
   const Config solver = table_of_node(file, {"numerical", "opensees"});
-  if (!solver.has("adapter"))
+  if (file.has("reference"))
+    return fmt::format(
+        "The structure is that of the solver. The numerical result is {}, the user's own.",
+        file.table("reference").text("file", ""));
+  if (!solver.has("adapter") || (solver.text("adapter", "") == "opensees" && !solver.has("script")))
     return file.has("plant")
                ? "The structure is that of the solver's program. The numerical result is that of "
                  "the experiment's [plant]: compare them only if both describe the same structure."
                : "The structure is that of the solver's program.";
   if (solver.text("adapter", "") == "opensees")
     return fmt::format(
-        "The structure is that of {}. The numerical result is that of the experiment's [plant]: "
-        "compare them only if both describe the same structure.",
-        solver.text("script", "an OpenSees program"));
+        "The structure is that of {0}. The numerical result is that of {0} with an ideal machine "
+        "and "
+        "the model in place of the specimen.",
+        solver.text("script", ""));
   const Config plant = file.table_or_empty("plant");
   return fmt::format("Masses and frequencies of the structure are {}.",
                      plant.has("basemat_mass_kg") || plant.has("stick")

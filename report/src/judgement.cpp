@@ -10,6 +10,7 @@
 #include <rths/core/status.hpp>
 
 #include "analysis.hpp"
+#include "companions.hpp"
 #include "conditions.hpp"
 
 namespace rths::report {
@@ -177,6 +178,17 @@ Break late_host(const Reader& run, const HostLateness& host, const Bounds& bound
                 fmt::format("at most {:g} %: run again", 100 * bounds.late)};
 }
 
+Break response_of(const Reader& run, const std::string& axis, double difference,
+                  const Bounds& bounds) {
+  if (difference <= bounds.response) return {};
+  const auto roles = recording::roles_of(run);
+  const auto words = std::find_if(roles.axes.begin(), roles.axes.end(),
+                                  [&](const auto& one) { return one.axis == axis; });
+  return Broken{"response", end_of(run), words->target,
+                fmt::format("{:.1f} % from the numerical result", 100 * difference),
+                fmt::format("at most {:g} %", 100 * bounds.response)};
+}
+
 // Collects the broken conditions.
 class Judgement {
  public:
@@ -271,6 +283,7 @@ Bounds read_bounds(const Config& table) {
   fraction("resolution_m", b.resolution);
   fraction("displacement_offset", b.offset);
   fraction("motion_difference", b.motion);
+  fraction("response", b.response);
   b.force_factor = table.number_in("force_factor", 1, 1e3, b.force_factor);
   fraction("force_delay_s", b.force_delay);
   fraction("force_offset", b.force_offset);
@@ -290,7 +303,7 @@ std::string Broken::text() const {
                      expected);
 }
 
-std::vector<Broken> judge(const Reader& run) {
+std::vector<Broken> judge(const Reader& run, const Reader* numerical) {
   const auto recorded = recording::experiment_in(run);
   if (!recorded) throw Error{"the recording holds no experiment, expected /config"};
   const Config& experiment = *recorded;
@@ -299,6 +312,9 @@ std::vector<Broken> judge(const Reader& run) {
   Judgement judgement{evidence.axes};
   judge_run(judgement, run, experiment, bounds);
   judge_axes(judgement, evidence, bounds);
+  if (numerical != nullptr && run.rows() > 1)
+    for (const auto& [axis, difference] : response_differences(run, *numerical))
+      judgement.add(response_of(run, axis, difference, bounds));
   return judgement.by_time();
 }
 

@@ -29,6 +29,16 @@ Json verdict_in(const std::filesystem::path& folder) {
 
 }  // namespace
 
+std::vector<Broken> judge_run(const std::filesystem::path& folder) {
+  const recording::Reader run{folder / kRunFile};
+  for (const char* file : {kImprovedFile, kNumericalFile}) {
+    if (!std::filesystem::exists(folder / file)) continue;
+    const recording::Reader reference{folder / file};
+    return judge(run, &reference);
+  }
+  return judge(run);
+}
+
 ReportOutcome make_report(const std::filesystem::path& folder, std::vector<Broken> broken,
                           const std::filesystem::path& beside) {
   Analysis analysis = analyse(folder);

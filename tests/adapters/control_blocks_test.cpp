@@ -52,7 +52,7 @@ TEST(Diagram, StatesTheForceAheadOfACommand) {
   const std::string force =
       "in.target = \"x\"\nin.displacement = \"x\"\nin.acceleration = \"a\"\nin.force = \"f\"\n"
       "reach_m = [1.0]\nsmooth_reach_m = [1e-3, 1.0]\n"
-      "expected_strength_N = 4e8\nexpected_stiffness_N_per_m = 4e8\n";
+      "expected_strengths_N = [0, 0, 4e8]\n";
   const std::string command =
       "in.command = \"x\"\nin.command_velocity = \"v\"\nin.command_acceleration = \"a\"\n";
   const auto target = diagram(blocks + block("at", "target_force", force) +

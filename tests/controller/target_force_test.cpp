@@ -120,21 +120,17 @@ TEST(TargetForce, IsTheMeasuredForceUntilTheMotionInforms) {
 
 // The first step of a motion, when nothing is learnt: the expected stiffness times the error.
 TEST(TargetForce, KnowsTheExpectedStiffnessFromTheStart) {
-  for (const double slip : {0.5e-3, 3e-3, 20e-3}) {  // below, among and above the reaches
-    TargetForceSettings settings;
-    settings.expected_strength = 1e6;
-    settings.expected_stiffness = 1e6 / slip;
-    TargetForce force{settings};
-    const Vector2d zero = Vector2d::Zero(), target{1e-7, 0};
-    force.step({zero.data(), zero.data(), zero.data(), zero.data()}, true);
-    force.step({target.data(), zero.data(), zero.data(), zero.data()}, true);
+  TargetForceSettings settings;
+  settings.reach = {1};
+  settings.smooth_reach = {3e-3};
+  settings.expected = {4e6, 1e6};
+  TargetForce force{settings};
+  const Vector2d zero = Vector2d::Zero(), target{1e-7, 0};
+  force.step({zero.data(), zero.data(), zero.data(), zero.data()}, true);
+  force.step({target.data(), zero.data(), zero.data(), zero.data()}, true);
 
-    EXPECT_NEAR(force.strengths().sum(), 1e6, 1);
-    EXPECT_GT(force.correction()[0], 0);
-    if (slip == 3e-3) {
-      EXPECT_NEAR(force.correction()[0], 1e-7 * 1e6 / slip, 0.01);
-    }
-  }
+  EXPECT_EQ(force.strengths(), Eigen::Vector2d(4e6, 1e6));
+  EXPECT_NEAR(force.correction()[0], 1e-7 * (4e6 + 1e6 / 3e-3), 1e-3);
 }
 
 TEST(TargetForce, OfASpringIsStiffnessTimesError) {
@@ -248,8 +244,9 @@ TEST(TargetForce, AheadIsZeroWithoutALeadTimeOrACommand) {
   none.run(0, 3'000);
   TargetForceSettings settings;
   settings.lead_time = 0.015;
-  settings.expected_strength = 1e6;
-  settings.expected_stiffness = 4e8;
+  settings.reach = {1};
+  settings.smooth_reach = {2.5e-3};
+  settings.expected = {0, 1e6};
   TargetForce without{settings};
   const Vector2d at{0.01, 0}, zero = Vector2d::Zero();
   without.step({at.data(), at.data(), zero.data(), zero.data()}, true);
@@ -284,14 +281,14 @@ TEST(TargetForce, IsFitForRealTime) {
 }
 
 TEST(TargetForce, RefusesWrongSettings) {
-  TargetForceSettings none, negative, tiny, short_memory, descending, half, late;
+  TargetForceSettings none, negative, tiny, short_memory, half, weak, late;
   late.lead_time = -1;
   none.reach = {};
   negative.reach = {1e-3, -1e-3};
   tiny.smooth_reach = {1e-310, 1e-3};
   short_memory.forgetting = 0;
-  descending.smooth_reach = {2e-3, 1e-3};
-  half.expected_strength = 1e6;
+  half.expected = {1e6};
+  weak.expected = std::vector<double>(15, -1);
 
   EXPECT_EQ(test::error_of([&] { TargetForce{none}; }),
             "force at the target: number of sliders is 0, expected at least 1");
@@ -301,12 +298,12 @@ TEST(TargetForce, RefusesWrongSettings) {
             "force at the target: reach of a slider is 1e-310, expected 1e-6 to 10 m");
   EXPECT_EQ(test::error_of([&] { TargetForce{short_memory}; }),
             "force at the target: forgetting is 0, expected more than a period");
-  EXPECT_EQ(test::error_of([&] { TargetForce{descending}; }),
-            "force at the target: first smooth reach is 0.002, expected an ascending list");
   EXPECT_EQ(test::error_of([&] { TargetForce{late}; }),
             "force at the target: lead time is -1, expected at least 0 s");
   EXPECT_EQ(test::error_of([&] { TargetForce{half}; }),
-            "force at the target: expected stiffness is 0, expected a positive number");
+            "force at the target: number of expected strengths is 1, expected one of each slider");
+  EXPECT_EQ(test::error_of([&] { TargetForce{weak}; }),
+            "force at the target: expected strength is -1, expected at least 0 N");
 }
 
 TEST(Sliders, FollowTheMasingRuleInOneDirection) {

@@ -57,6 +57,8 @@ column_lat = 1
 scale = 1.4
 [specimen]
 model = "bilinear.toml"
+[conclusive]
+response = 10
 {}
 [node.opf]
 adapter = "opensees"
@@ -89,8 +91,9 @@ Rows OpenSeesRun::own_response(const std::string& bearing) const {
 }
 
 std::string OpenSeesRun::plant_arguments() const {
-  return fmt::format(R"("{{motion}}", "--port", "{}", "--duration", "{}", "--response", "{}")",
-                     port_, duration_, (folder_.path() / "ring.csv").string());
+  return fmt::format(
+      R"("{{motion}}", "--port", "{}", "--duration", "{}", "--response", "{{results}}.csv")", port_,
+      duration_);
 }
 
 }  // namespace rths

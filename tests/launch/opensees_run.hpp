@@ -43,7 +43,7 @@ class OpenSeesRun : public test::WithOpenSees<> {
   [[nodiscard]] Rows own_response(const std::string& bearing) const;
   [[nodiscard]] std::filesystem::path out() const { return folder_.path() / "out"; }
   [[nodiscard]] std::string plant_arguments() const;
-  [[nodiscard]] Rows ring_response() const { return read_rows(folder_.path() / "ring.csv"); }
+  [[nodiscard]] Rows ring_response() const { return read_rows(out() / "run.csv"); }
 
   /// Of the experiment and of the analyses of `kPlant` and of the frame [s]; steps of 10 ms.
   int duration_ = test::is_long() ? 30 : 7;

@@ -9,9 +9,12 @@
 #include <rths/recording/recording.hpp>
 
 #include "opensees_run.hpp"
+#include "support/json.hpp"
 
 namespace rths {
 namespace {
+
+using Json = nlohmann::json;
 
 TEST_F(OpenSeesRun, FeelsABearingOnTheRingAsItsOwn) {
   const auto finished = run(experiment({kIdeal, kPlant, plant_arguments(), kBoth}), "virtual");
@@ -68,6 +71,82 @@ std::vector<std::size_t> edges(const std::vector<double>& signal, bool rising) {
   for (std::size_t i = 1; i < signal.size(); ++i)
     if ((signal[i] > 0) != (signal[i - 1] > 0) && (signal[i] > 0) == rising) rows.push_back(i);
   return rows;
+}
+
+// Not with the project's own plant, nor with the specimen, whose strength is half of the model's.
+TEST_F(OpenSeesRun, HasTheNumericalResultOfItsOwnStructureAndTheModel) {
+  const std::string file = experiment({kIdeal, kPlant, plant_arguments(), kBoth});
+  const auto weak = test::run_rths(
+      {"run", file, "--clock", "virtual", "--out", out().string(), "--set",
+       "specimen.bilinear.characteristic_strength_N=505_000", "--set",
+       "model.specimen.bilinear.characteristic_strength_N=1_010_000", "--set", "conclusive={}"});
+  EXPECT_EQ(weak.exit_code, 1) << weak.err;
+  EXPECT_NE(weak.out.find("% from the numerical result, expected at most 10 %"), std::string::npos)
+      << weak.out;
+  const Rows own = own_response("plasticity"), again = read_rows(out() / "numerical.csv");
+  ASSERT_EQ(again.size(), own.size());
+  const recording::Reader numerical{out() / "numerical.h5"};
+  ASSERT_EQ(numerical.rows(), own.size());
+  for (const std::size_t axis : {1U, 2U}) {
+    EXPECT_LT(nrmse(again, own, axis), 1e-4);
+    const auto targets = numerical.signal(axis == 1 ? "result.displ.long" : "result.displ.lat");
+    Rows rows;  // predicted displacements, not those at the end of the step
+    for (std::size_t i = 0; i < own.size(); ++i) rows.push_back({0, targets[i], targets[i]});
+    EXPECT_LT(nrmse(rows, own, axis), 0.02);
+  }
+  const Json report = test::json_of(out() / "report.json");
+  for (const char* axis : {"long", "lat"})
+    EXPECT_GT(report["axes"][axis]["numerical_difference_percent"], 10) << axis;
+}
+
+TEST_F(OpenSeesRun, IsItsNumericalResultIfSpecimenAndModelAreTheSame) {
+  const std::string file = experiment({kIdeal, kPlant, plant_arguments(), kBoth});
+  ASSERT_EQ(run(file, "virtual").exit_code, 0);
+  const Json report = test::json_of(out() / "report.json");
+  for (const char* axis : {"long", "lat"})
+    EXPECT_LT(report["axes"][axis]["numerical_difference_percent"], 0.01) << axis;
+}
+
+// Without a script, there is nothing to run again: the response of the user's own takes its place.
+TEST_F(OpenSeesRun, ComparesWithAResponseOfTheUsersOwn) {
+  const std::string file = experiment({kIdeal, kPlant, plant_arguments(), kBoth});
+  const Rows own = own_response("plasticity");
+  std::string text = "time,long,lat\n0,0,0\n";
+  for (const auto& row : own) text += fmt::format("{},{},{}\n", row[0], 2e3 * row[1], 2e3 * row[2]);
+  const auto reference = folder_.write("reference.csv", text);
+  ASSERT_EQ(
+      test::run_rths({"run", file, "--clock", "virtual", "--out", out().string(), "--set",
+                      fmt::format("reference={{file=\"{}\", scale=1e-3}}", reference.string())})
+          .exit_code,
+      0);
+  const Json report = test::json_of(out() / "report.json");
+  for (const char* axis : {"long", "lat"})  // twice the response
+    EXPECT_NEAR(report["axes"][axis]["numerical_difference_percent"], 100, 3) << axis;
+  EXPECT_FALSE(std::filesystem::exists(out() / "numerical.csv"));
+}
+
+// The next target comes at the earliest a computing time after the specimen has reached the last.
+TEST_F(OpenSeesRun, TakesTheComputingTimeOfItsModelInVirtualTime) {
+  const std::string file = experiment({kMachine, kPlant, plant_arguments(), kBoth});
+  const auto shortest_answer = [&](const char* modelled) {
+    EXPECT_EQ(
+        test::run_rths({"run", file, "--clock", "virtual", "--force", "--out", out().string(),
+                        "--set", std::string{"solver.model_computing_time="} + modelled, "--set",
+                        "solver.computing_time_s=0.004", "--set", "solver.computing_time_spread=0"})
+            .exit_code,
+        0);
+    const recording::Reader reader{out() / "run.h5"};
+    const auto target = edges(reader.signal("opf.newTarget"), true),
+               arrived = edges(reader.signal("daq.atTarget"), true);
+    std::size_t shortest = 1000;
+    for (const std::size_t row : arrived) {
+      const auto next = std::upper_bound(target.begin(), target.end(), row);
+      if (next != target.end()) shortest = std::min(shortest, *next - row);
+    }
+    return shortest;
+  };
+  EXPECT_LE(shortest_answer("false"), 1U);
+  EXPECT_GE(shortest_answer("true"), 3U);  // rows begin up to a millisecond earlier
 }
 
 // A row is a tick of the controller.

@@ -19,29 +19,29 @@ class OpenSeesSpecimen : public OpenSeesRun {
   [[nodiscard]] std::vector<std::string> command(const std::string& column_arguments,
                                                  const std::string& protocol) const {
     const std::string units = "dofs=[\"long\"], length_unit_m=0.0254, force_unit_N=4448.2216";
-    return {test::rths_command(),
-            "run",
-            (test::source_tree() / "examples/opensees/one_bay_frame.toml").string(),
-            "--clock",
-            "virtual",
-            "--out",
-            out().string(),
-            "--force",
-            "--set",
-            fmt::format("duration_s={}", duration_),
-            "--set",
-            fmt::format(
-                "node.xpc={{adapter=\"opensees_specimen\", python=\"{}\", script=\"column.py\", "
-                "arguments=[\"{}\"{}], connect_deadline_s=10, element=[{{name=\"column\", "
-                "port={}, protocol=\"{}\", {}}}]}}",
-                python_, column_port_, column_arguments, column_port_, protocol, units),
-            "--set",
-            fmt::format(
-                "node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
-                "arguments=[\"{{motion}}\", \"--port\", \"{}\", \"--duration\", \"{}\", "
-                "\"--response\", \"{}\"], "
-                "element=[{{name=\"left_column\", port={}, initial_stiffness=[[2.8]], {}}}]}}",
-                python_, port_, duration_, (folder_.path() / "ring.csv").string(), port_, units)};
+    return {
+        test::rths_command(),
+        "run",
+        (test::source_tree() / "examples/opensees/one_bay_frame.toml").string(),
+        "--clock",
+        "virtual",
+        "--out",
+        out().string(),
+        "--force",
+        "--set",
+        fmt::format("duration_s={}", duration_),
+        "--set",
+        fmt::format(
+            "node.xpc={{adapter=\"opensees_specimen\", python=\"{}\", script=\"column.py\", "
+            "arguments=[\"{}\"{}], connect_deadline_s=10, element=[{{name=\"column\", "
+            "port={}, protocol=\"{}\", {}}}]}}",
+            python_, column_port_, column_arguments, column_port_, protocol, units),
+        "--set",
+        fmt::format("node.opf={{adapter=\"opensees\", python=\"{}\", script=\"one_bay_frame.py\", "
+                    "arguments=[\"{{motion}}\", \"--port\", \"{}\", \"--duration\", \"{}\", "
+                    "\"--response\", \"{}\"], "
+                    "element=[{{name=\"left_column\", port={}, initial_stiffness=[[2.8]], {}}}]}}",
+                    python_, port_, duration_, "{results}.csv", port_, units)};
   }
   std::uint16_t column_port_ = test::free_port();
 };
@@ -73,7 +73,7 @@ TEST_F(OpenSeesSpecimen, EndsTheRunWhenItDies) {
   ASSERT_TRUE(test::comes_true([&] {
     for (const int child : test::programs_of(laboratory.pid()))
       if (test::command_line_of(child).find("column.py") != std::string::npos) column = child;
-    return column != 0 && std::filesystem::exists(folder_.path() / "ring.csv");
+    return column != 0 && std::filesystem::exists(out() / "run.csv");
   }));
   kill(column, SIGKILL);
   const auto finished = laboratory.wait(20);

@@ -6,8 +6,11 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/computing_times.hpp>
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
+#include <rths/adapters/srmd_node.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -31,8 +34,9 @@ OpenSeesScript read_script(const Config& table) {
       table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
   const std::string python = table.text("python", default_python());
   const auto arguments = table.texts("arguments", {});
-  check_placeholders(table, "arguments", arguments,
-                     {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder});
+  check_placeholders(
+      table, "arguments", arguments,
+      {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kResultsPlaceholder});
   if (!table.has("script")) {
     for (const char* key : {"arguments", "python"})
       if (table.has(key))
@@ -51,8 +55,21 @@ OpenSeesScript read_script(const Config& table) {
 void complete_script(const TestSetup& setup, const NodeContext& context, OpenSeesScript& script) {
   script.log = file_beside(context.recording, context.node, ".log");
   const auto motion = file_beside(context.recording, context.node, ".motion.csv");
-  for (auto& argument : script.command)
+  const auto results = std::filesystem::absolute(context.recording).replace_extension();
+  for (auto& argument : script.command) {
     if (fill_in(argument, setup, motion)) script.files = {{motion, motion_text(setup.motion)}};
+    replace_all(argument, kResultsPlaceholder, results.string());
+  }
+}
+
+// An ideal machine moves the tested axes only.
+bool can_repeat(const OpenSeesSettings& opensees, const TestSetup& setup) {
+  return !opensees.script.command.empty() &&
+         std::all_of(opensees.elements.begin(), opensees.elements.end(), [&](const auto& element) {
+           return element.actuators.empty() &&
+                  std::all_of(element.axes.begin(), element.axes.end(),
+                              [&](const auto& axis) { return contains(setup.axes, axis.axis); });
+         });
 }
 
 std::function<void()> program_check(const OpenSeesScript& script, const std::string& node) {
@@ -95,6 +112,9 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   settings.target_count = "step";
   settings.motion_fault = motion_fault(opensees.script.command, node);
   settings.check = program_check(opensees.script, node);
+  if (can_repeat(opensees, setup))
+    settings.ideal_machine =
+        std::make_shared<const NodeSettings>(read_ideal_machine(node, Config{}, setup));
   settings.make = [opensees](const TestSetup& test, const NodeContext& context) {
     OpenSeesSettings complete = opensees;
     complete.layout = opf_layout(context.map);
@@ -102,6 +122,10 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
     complete.rest = test.rest;
     complete.wait_deadline = test.wait_deadline * test.rate;
     complete.stops_time = context.is_virtual;
+    if (test.model_computing_time)
+      complete.computing_time = [times = ComputingTimes{test.computing_time}]() mutable {
+        return times.draw();
+      };
     complete_script(test, context, complete.script);
     return make_opensees(complete);
   };

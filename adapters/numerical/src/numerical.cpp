@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <optional>
 
+#include <rths/adapters/computing_times.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/error.hpp>
 
@@ -38,7 +39,6 @@ class Numerical final : public Adapter {
   void acquire(const StepData& step) noexcept;
   void post(const StepData& step) noexcept;
   void write_monitors(const StepData& step) const noexcept;
-  [[nodiscard]] double draw_computing_time() noexcept;
 
   NumericalSettings settings_;
   std::size_t axes_;
@@ -47,7 +47,7 @@ class Numerical final : public Adapter {
   std::vector<Eigen::Index> directions_;  ///< of each tested axis: 0 long, 1 lat
   Solution solution_;
   Exchange exchange_;
-  std::mt19937_64 random_;
+  std::optional<ComputingTimes> computing_times_;
   OpfHandshake handshake_;
   bool is_computing_ = false;
   double acquired_ = 0;        ///< start of the computation [s]
@@ -62,12 +62,12 @@ Numerical::Numerical(const NumericalSettings& settings)
                    (!settings.motion.vert_acceleration.empty() || settings.plant.overturns())},
       reads_vertical_{settings.vertical_feedback == sim::VerticalFeedback::Measured},
       solution_{make_solution(settings)},
-      random_{settings.computing_time ? settings.computing_time->seed : 0},
       handshake_{settings.wait_deadline, settings.handshake} {
   if (reads_vertical_ && !is_vertical_ && !settings.history)
     throw Error{
         "numerical: vertical_feedback is measured, but the vertical load is constant, expected a "
         "motion with a vertical component, or a bearing off the centre"};
+  if (settings.computing_time) computing_times_.emplace(*settings.computing_time);
   for (const auto& axis : settings.axes) {
     if (axis != "long" && axis != "lat")
       throw Error{"numerical: axis '" + axis + "' is not in the model, expected long or lat"};
@@ -101,15 +101,6 @@ std::vector<Port> Numerical::ports() const {
   return ports;
 }
 
-double Numerical::draw_computing_time() noexcept {
-  if (!settings_.computing_time) return 0;
-  const ComputingTime& model = *settings_.computing_time;
-  std::normal_distribution<double> normal{model.mean, model.spread * model.mean};
-  std::uniform_real_distribution<double> uniform{0, 1};
-  const double usual = std::clamp(normal(random_), 0.0, 2 * model.mean);
-  return usual + (uniform(random_) < model.overrun_fraction ? model.overrun : 0);
-}
-
 // The specimen is at its target: finish the step with its force and begin the next one.
 void Numerical::acquire(const StepData& step) noexcept {
   for (std::size_t i = 0; i < axes_; ++i)
@@ -122,7 +113,7 @@ void Numerical::acquire(const StepData& step) noexcept {
         solution.begin(exchange_);
       },
       solution_);
-  computing_time_ = draw_computing_time();
+  computing_time_ = computing_times_ ? computing_times_->draw() : 0;
 }
 
 void Numerical::post(const StepData& step) noexcept {

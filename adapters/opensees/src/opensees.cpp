@@ -33,6 +33,7 @@ class OpenSees final : public Adapter {
   enum In : std::size_t { kAtTarget, kSwitchPc, kFeedback };  // positions among the inputs
 
   [[nodiscard]] Status advance(StepData& step);
+  void arrive(double time);
   // Handles the pending messages. In virtual time, waits until OpenSees needs the specimen to move.
   void exchange(const StepData& step);
   [[nodiscard]] std::span<const double> feedbacks(const StepData& step) const {
@@ -63,6 +64,8 @@ class OpenSees final : public Adapter {
   std::optional<OpenSeesConnection> opensees_;
   OpfHandshake handshake_;
   std::uint64_t moves_ = 0;
+  double computing_time_ = 0;        ///< of the current step [s]
+  double busy_until_ = 0;            ///< a trial is taken from then on [s]
   std::vector<bool> has_left_rest_;  ///< of each element
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
   std::string message_;
@@ -95,6 +98,7 @@ std::vector<Port> OpenSees::ports() const {
   ports.insert(ports.end(), commands.begin(), commands.end());
   add("opf.newTarget", Direction::Output, "1");
   add("step", Direction::Monitor, "1");
+  add("computing_time", Direction::Monitor, "s");
   for (const auto& element : settings_.elements)
     for (const auto& axis : element.axes)
       add(element.name + '.' + axis.axis + ".stiffness", Direction::Monitor,
@@ -203,7 +207,10 @@ void OpenSees::exchange(const StepData& step) {
     opensees_->receive(specimens_);
     if (opensees_->disconnected() || !handshake_.is_ready()) return;
     if (opensees_->connected() && next_unidentified() != specimens_.end()) return;
-    if (opensees_->all_trials_received()) take_trials(step);
+    if (opensees_->all_trials_received()) {
+      if (step.time < busy_until_) return;
+      take_trials(step);
+    }
     if (!handshake_.is_ready()) return;
     // Only when the specimen is at the position of all trials.
     if (!opensees_->has_pending_trial()) answer_requests(step);
@@ -228,6 +235,13 @@ Status OpenSees::rest(double time) {
   return Status::Ok;
 }
 
+// The specimen is at its target: OpenSees computes the next one.
+void OpenSees::arrive(double time) {
+  opensees_->restart_deadline();
+  computing_time_ = settings_.computing_time ? settings_.computing_time() : 0;
+  busy_until_ = time + computing_time_;
+}
+
 Status OpenSees::advance(StepData& step) {
   if (step.stopping && !handshake_.is_stopping()) handshake_.stop(step.time);
   if (handshake_.is_stopping())
@@ -237,7 +251,7 @@ Status OpenSees::advance(StepData& step) {
   const Status status =
       handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
   if (status == Status::Fault) throw Error{deadline_message()};
-  if (!was_ready && handshake_.is_ready()) opensees_->restart_deadline();
+  if (!was_ready && handshake_.is_ready()) arrive(step.time);
   if (handshake_.is_ready() && !has_begun_) begin_test(step);
   if (!is_probing_) exchange(step);
   if (opensees_->disconnected()) return finish(step.time);
@@ -255,7 +269,8 @@ void OpenSees::identify_next(const StepData& step) {
 void OpenSees::write_monitors(const StepData& step) const {
   const auto monitors = step.outputs.subspan(new_target_at_ + 1);
   monitors[0] = static_cast<double>(moves_);
-  std::size_t at = 1;
+  monitors[1] = computing_time_;
+  std::size_t at = 2;
   for (const auto& specimen : specimens_)
     for (const double stiffness : specimen.stiffness()) monitors[at++] = stiffness;
 }

@@ -138,8 +138,7 @@ controller::TargetForceSettings target_force_settings(const Config& table,
   settings.period = period;
   settings.reach = table.numbers("reach_m", settings.reach);
   settings.smooth_reach = table.numbers("smooth_reach_m", settings.smooth_reach);
-  settings.expected_strength = table.number_in("expected_strength_N", 0, 1e9, 0);
-  settings.expected_stiffness = table.number_in("expected_stiffness_N_per_m", 0, 1e12, 0);
+  settings.expected = table.numbers("expected_strengths_N", {});
   settings.forgetting = table.number_in("forgetting_s", 0.1, 1000, settings.forgetting);
   settings.informative_speed =
       table.number_in("informative_speed_m_per_s", 0, 10, settings.informative_speed);

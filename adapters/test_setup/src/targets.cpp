@@ -156,7 +156,9 @@ double value_at(const std::vector<double>& response, double steps) {
   return value(before) + (steps - std::floor(steps)) * (value(after) - value(before));
 }
 
-DisplacementHistory from_file(const Config& table) {
+}  // namespace
+
+DisplacementHistory read_displacements(const Config& table) {
   const auto file = table.resolve(table.text("file"));
   const double scale = table.number_in("scale", -100, 100, 1.0);
   DisplacementHistory history;
@@ -169,8 +171,6 @@ DisplacementHistory from_file(const Config& table) {
   }
   return history;
 }
-
-}  // namespace
 
 DisplacementHistory expected_motion(const TestSetup& setup) {
   sim::GroundMotion motion = setup.motion;
@@ -204,7 +204,7 @@ DisplacementHistory read_targets(const Config& table, const TestSetup& setup, st
   else if (kind == "response")
     history = expected_motion(setup);
   else if (kind == "file")
-    history = from_file(table);
+    history = read_displacements(table);
   else
     table.fail(
         "kind",

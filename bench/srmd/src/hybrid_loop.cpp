@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <rths/adapters/block_settings.hpp>
+#include <rths/adapters/specimen_sliders.hpp>
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
@@ -191,12 +193,17 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal, const 
     inverse[axis].effective_mass = nominal.mass[i];
     inverse[axis].largest_reference = nominal.limits.stroke[i];
   }
-  return {"inverse", 0,
-          ForceCorrection{
-              {observer.machine[0], observer.machine[1]},
-              observer.observer,
-              adapters::target_force_settings(constants.table("target_force"), axes, kPeriod)},
-          [inverse](std::size_t axis) { return std::make_unique<Inverse>(inverse[axis]); }};
+  auto target_force =
+      adapters::target_force_settings(constants.table("target_force"), axes, kPeriod);
+  const auto sliders = adapters::sliders_of(nominal.specimen);
+  target_force.reach = sliders.sharp;
+  target_force.smooth_reach = sliders.smooth;
+  target_force.expected = sliders.strengths;
+  return {
+      "inverse", 0,
+      ForceCorrection{
+          {observer.machine[0], observer.machine[1]}, observer.observer, std::move(target_force)},
+      [inverse](std::size_t axis) { return std::make_unique<Inverse>(inverse[axis]); }};
 }
 
 HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -19,7 +18,6 @@ namespace rths::commissioning {
 struct PretestSettings {
   std::filesystem::path folder;      ///< for the recordings of its runs
   std::filesystem::path machine;     ///< recording of the machine; empty: of the virtual one
-  double most_difference = 0.5;      ///< response against the purely numerical one, RMS [-]
   double most_ringing = 0.15;        ///< amplitude up to which the loop may ring, of the peak [-]
   double least_delay_margin = 1e-3;  ///< at the peak [s]
   std::string version;               ///< of the program, for the recordings
@@ -32,7 +30,7 @@ struct AxisPrediction {
   budget::TransferSystem machine;        ///< identified
   double machine_delay = 0;              ///< of its displacement behind its reference [s]
   double peak = 0;                       ///< of the purely numerical response [m]
-  std::vector<AmplitudeMargin> margins;  ///< by rising amplitude, up to the peak
+  std::vector<AmplitudeMargin> margins;  ///< by rising amplitude, up to the peak; empty: unknown
   double ringing = 0;                    ///< largest amplitude at which the loop is unstable [m]
   std::vector<double> differences;       ///< of the responses, RMS over that of the test: of each
                                          ///< run with the noise of another seed [-]
@@ -55,7 +53,8 @@ struct Pretest {
 
 /// Runs the whole path in virtual time with a numerical specimen.
 ///
-/// First the motion of the purely numerical result is imposed without compensation: the signals are
+/// First the purely numerical result is computed, with the same model of the specimen, and its
+/// motion is imposed without compensation: the signals are
 /// checked, and the machine is identified. If all signals are right, the loop is closed with the
 /// identified machine: stability margins, tracking, and the difference to the numerical result. It
 /// scatters, so the loop is closed several times, each with other noise of the sensors. The
@@ -63,11 +62,6 @@ struct Pretest {
 /// @throws Error if the experiment cannot be run this way   @setup
 [[nodiscard]] Pretest pretest(const launch::Experiment& experiment,
                               const PretestSettings& settings);
-
-/// RMS difference of the response of a run and the purely numerical result with the same model of
-/// the specimen, over the RMS of the response: long, lat [-]; 0 for an axis that is not tested.
-[[nodiscard]] std::array<double, 2> difference_of(const launch::Experiment& experiment,
-                                                  const recording::Reader& run);
 
 [[nodiscard]] std::string text_of(const Pretest& pretest);
 [[nodiscard]] std::string json_of(const Pretest& pretest);

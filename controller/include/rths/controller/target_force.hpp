@@ -37,9 +37,9 @@ struct TargetForceSettings {
   std::vector<double> reach{0.5e-3, 1e-3, 2e-3, 3e-3, 4.5e-3, 7e-3, 12e-3, 1.0};
   /// The same of the smooth sliders [m].
   std::vector<double> smooth_reach{0.9e-3, 1.25e-3, 1.8e-3, 2.5e-3, 3.55e-3, 5e-3, 7.1e-3};
-  /// Before anything is learnt: strength of the specimen [N], and its stiffness before it slips
-  /// [N/m]. 0: unknown, no correction until then.
-  double expected_strength = 0, expected_stiffness = 0;
+  /// Strengths before anything is learnt, of the sharp sliders, then of the smooth ones [N]. Empty:
+  /// unknown, no correction until then.
+  std::vector<double> expected;
   double forgetting = 8;            ///< time constant of the memory, in informative motion [s]
   double informative_speed = 0.01;  ///< learning pauses while the RMS speed is below [m/s]
   /// Below it the motion follows the displacement, above it the integrated acceleration [Hz]. The

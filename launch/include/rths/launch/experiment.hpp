@@ -67,6 +67,8 @@ struct Experiment : adapters::TestSetup {
   double host_deadline = 60;                     ///< wait for the other hosts [s]
   std::vector<NodePlan> nodes;                   ///< in starting order
   bool has_plant = false;                        ///< the file states the structure
+  /// Response that takes the place of the purely numerical one: [reference]
+  std::optional<adapters::DisplacementHistory> reference;
   Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
   recording::Roles roles;        ///< nodes and signals by role
   Config role_table;             ///< their table; assemble() checks it against the map
@@ -76,8 +78,13 @@ struct Experiment : adapters::TestSetup {
   [[nodiscard]] bool has_own_solver() const;
   /// True if a node is a program of the user's own.
   [[nodiscard]] bool has_user_program() const;
-  /// True if the structure of the solver is known, for the purely numerical result.
-  [[nodiscard]] bool has_structure() const { return has_own_solver() || has_plant; }
+  /// True if the solver integrates the experiment's plant.
+  [[nodiscard]] bool integrates_plant() const;
+  /// True if the experiment's plant is the structure of the solver: it integrates it, or is a
+  /// program or adapter of the user's own whose structure [plant] states.
+  [[nodiscard]] bool solves_plant() const;
+  /// The solver, if it has a structure of its own and can run again with an ideal machine.
+  [[nodiscard]] const NodePlan* repeatable_solver() const;
   /// The host that starts the test and has the recording; empty if there is one host.
   [[nodiscard]] std::string leading_host() const;
   /// The machine's node, if its commands pass no safety layer.

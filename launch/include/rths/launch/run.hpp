@@ -73,10 +73,13 @@ bool run_uncompensated(const Experiment& experiment, const std::filesystem::path
 bool run_held_out(const Experiment& experiment, const std::filesystem::path& recording,
                   const std::string& version);
 
-/// Writes the purely numerical result as a recording: with a model in place of the specimen, and on
-/// a fixed base. Returns false if the structure of a user's own solver is not stated in [plant].
+/// Writes the purely numerical result as a recording: [reference], or the response with a model in
+/// place of the specimen. A structure of the project's own is also analysed on a fixed base. A
+/// solver that has its own runs again, with an ideal machine. Returns false if the structure of a
+/// user's own solver is not stated in [plant].
 /// @throws Error   @setup
-bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording);
+bool run_numerical(const Experiment& experiment, const std::filesystem::path& recording,
+                   const std::string& version);
 
 /// Runs one node in its own process; the launcher controls it through standard input.
 /// @returns exit code of the process   @setup

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,7 @@ struct Bounds {
   double resolution = 0.001;        ///< smaller errors of displacement are not judged [m]
   double offset = 0.03;             ///< of a measured displacement [-]
   double motion = 0.1;              ///< difference of displacement and acceleration, RMS [-]
+  double response = 0.1;            ///< difference from the numerical result, RMS [-]
   double force_factor = 1.6;        ///< between measured and modelled force, either way [-]
   double force_delay = 0.03;        ///< of the measured force, in model time [s]
   double force_offset = 0.25;       ///< of a measured force [-]
@@ -45,9 +47,16 @@ struct Broken {
 
 /// Judges a run from its recording alone: from the recorded words, the experiment and the assumed
 /// model of the specimen.
+/// @param numerical  the purely numerical result, for the condition `response`; null: not judged
 /// @returns the broken conditions by time; none: the test is conclusive
 /// @throws Error if the recording holds no experiment   @setup
-[[nodiscard]] std::vector<Broken> judge(const recording::Reader& run);
+[[nodiscard]] std::vector<Broken> judge(const recording::Reader& run,
+                                        const recording::Reader* numerical = nullptr);
+
+/// RMS difference of the response of a run and the purely numerical result, over the RMS of the
+/// response, by tested axis [-]. Empty if the recording holds no experiment.   @setup
+[[nodiscard]] std::map<std::string, double> response_differences(
+    const recording::Reader& run, const recording::Reader& numerical);
 
 /// How late the host of a run in real time was, as "up to 45 ms late, …"; empty if it kept real
 /// time.   @setup

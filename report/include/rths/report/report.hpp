@@ -28,6 +28,11 @@ struct ReportOutcome {
   bool conclusive = true;         ///< false: a condition of a conclusive test is broken
 };
 
+/// Judges the run of a folder beside its numerical result, if it has one; beside the improved one,
+/// if a diagnosis has improved the model.
+/// @throws Error as judge   @setup
+[[nodiscard]] std::vector<Broken> judge_run(const std::filesystem::path& folder);
+
 /// Reads the recordings of a run and writes report.html, one self-contained page that needs no
 /// network, and report.json with every number on it. The recording of the run is required;
 /// recordings of its companion runs and the verdict of a diagnosis are used if present.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -26,6 +27,8 @@ struct OpenSeesSettings {
   /// Also steps on each message and ring write, not only on schedule; costs some busy waiting.
   bool is_prompt = false;
   bool stops_time = false;  ///< virtual time: a step waits for OpenSees' next request
+  /// Draws the least time from the arrival of the specimen to the next trial [s]; empty: none.
+  std::function<double()> computing_time;
   OpenSeesScript script;
 };
 

@@ -44,11 +44,14 @@ struct NodeContext {
 /// Settings of a node, from its table of the experiment.
 struct NodeSettings {
   Role role = Role::Machine;
-  Schedule schedule;                ///< unless the table states another
-  int priority = 30;                ///< of its real-time thread, 1…60
-  bool keeps_times = false;         ///< the recording has start and duration of each step
-  double start_deadline = 0;        ///< to become ready, beyond the time that every node has [s]
-  bool integrates_plant = false;    ///< α-OS of the experiment's plant, which a budget repeats
+  Schedule schedule;              ///< unless the table states another
+  int priority = 30;              ///< of its real-time thread, 1…60
+  bool keeps_times = false;       ///< the recording has start and duration of each step
+  double start_deadline = 0;      ///< to become ready, beyond the time that every node has [s]
+  bool integrates_plant = false;  ///< α-OS of the experiment's plant, which a budget repeats
+  /// Of a solver with a structure of its own that can run again: the node that then takes the place
+  /// of controller and machine, for the purely numerical result. Null: it cannot.
+  std::shared_ptr<const NodeSettings> ideal_machine;
   std::filesystem::path diagram;    ///< block diagram that it runs, if any
   std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
   Config blocks;                    ///< the same in the experiment, with priority

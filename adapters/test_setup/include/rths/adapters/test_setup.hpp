@@ -75,6 +75,9 @@ struct TestSetup {
 inline constexpr double kReferenceStep = 0.001;
 /// The motion that a test is expected to have: that of the purely numerical result.   @setup
 [[nodiscard]] DisplacementHistory expected_motion(const TestSetup& setup);
+/// Displacements of a table with a file: columns [m], scaled; the first row is the start.
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] DisplacementHistory read_displacements(const Config& table);
 /// Reads a [targets] table: displacements that are imposed in place of an analysis. Axes that are
 /// not tested stay at rest.
 /// @param seed  of noise   @throws Error with the place of the first wrong value   @setup

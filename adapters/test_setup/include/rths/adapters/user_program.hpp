@@ -23,6 +23,8 @@ struct UserProgram {
 inline constexpr std::string_view kMotionPlaceholder = "{motion}";  ///< path of a motion file
 inline constexpr std::string_view kStepPlaceholder = "{step_s}";
 inline constexpr std::string_view kDurationPlaceholder = "{duration_s}";
+/// Of a script: path of the recording without its ending, which differs between the runs of a test.
+inline constexpr std::string_view kResultsPlaceholder = "{results}";
 /// Of a program on the ring: names of the ring and of its node.
 inline constexpr std::string_view kRingPlaceholder = "{ring}";
 inline constexpr std::string_view kNodePlaceholder = "{node}";
