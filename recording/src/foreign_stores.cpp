@@ -17,10 +17,12 @@ std::string ForeignStore::text() const {
 }
 
 std::string to_text(const std::vector<ForeignStore>& stores) {
+  constexpr std::size_t kMost = 60'000;  // an attribute of HDF5 has less than 64 KiB
   std::string text;
   for (const auto& store : stores)
-    text += fmt::format("{:.6f}\t{}\t{}\t{}\t{}\t{}\n", store.time, store.signal, store.owner,
-                        store.value, store.count, store.writers);
+    if (text.size() < kMost)
+      text += fmt::format("{:.6f}\t{}\t{}\t{}\t{}\t{}\n", store.time, store.signal, store.owner,
+                          store.value, store.count, store.writers);
   return text;
 }
 

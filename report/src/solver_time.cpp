@@ -14,10 +14,10 @@ namespace {
 using recording::Reader;
 using recording::Roles;
 
-constexpr double kTolerance = 1e-3;   // of an integration step
-constexpr double kRounding = 2.4e-7;  // of two times of type f32 [-]
-constexpr double kRest = 5e-5;        // smaller targets are rounding of a static analysis [m]
-constexpr double kRestShare = 0.01;   // the same, of the largest target [-]
+constexpr double kStepTolerance = 1e-3;   // of an integration step
+constexpr double kTimeRounding = 2.4e-7;  // of two times of type f32 [-]
+constexpr double kRestOfTarget = 5e-5;    // smaller targets are rounding of a static analysis [m]
+constexpr double kRestShareOfTarget = 0.01;  // the same, of the largest target [-]
 constexpr double kMissedTargets = 4;  // rows that are 1 ms apart see at least one flag of four
 
 double largest_of(const std::vector<double>& values) {
@@ -103,7 +103,7 @@ std::size_t first_from_rest(const Reader& run, const Roles& roles,
     const double origin = target.empty() ? 0 : target.front();
     double largest = 0;
     for (const auto row : readings) largest = std::max(largest, std::abs(target[row] - origin));
-    const double rest = std::min(kRest, kRestShare * largest);
+    const double rest = std::min(kRestOfTarget, kRestShareOfTarget * largest);
     const auto leaves = std::find_if(readings.begin(), readings.end(), [&](std::size_t row) {
       return std::abs(target[row] - origin) > rest;
     });
@@ -122,7 +122,7 @@ struct Departures {
 void classify(const SolverMove& before, const SolverMove& move, bool is_counted, double step,
               Departures& found) {
   const double advance = move.time - before.time;
-  const double tolerance = kTolerance * step + kRounding * std::abs(move.time);
+  const double tolerance = kStepTolerance * step + kTimeRounding * std::abs(move.time);
   // Rows can miss moves: of those that lie between two rows, only the sum is known.
   const double missed =
       is_counted ? move.count - before.count : std::max(1.0, std::round(advance / step));

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -333,12 +334,20 @@ TEST(ForeignNode, MustNotStoreIntoTheWordOfAnother) {
     auto ring = broker::Ring::attach(run.ring);
     auto thief = ring.join_plain("");
     const auto force = ring.map().entry(ring.map().signal("daq.force.fbk")).signal->offset;
-    for (int i = 0; i < 200; ++i) {
-      std::atomic_ref{thief.plain_memory()[force.value()]}.store(0x44000000 + i);
-      std::this_thread::sleep_for(std::chrono::milliseconds{2});
-    }
+    const auto word = thief.plain_memory()[force.value()];
+    std::atomic<bool> ends{false};
+    std::thread stealing{[&] {
+      for (std::uint32_t i = 0; !ends.load(); ++i) {
+        std::atomic_ref{thief.plain_memory()[force.value()]}.store(word + i);
+        std::this_thread::sleep_for(std::chrono::microseconds{300});
+      }
+    }};
     const auto who = test::run_rths({"who", run.ring, "daq.force.fbk"});
-    EXPECT_EQ(who.exit_code, 0) << who.out;  // the owner has written since
+    ends.store(true);
+    stealing.join();
+    EXPECT_EQ(who.exit_code, 1) << who.out;
+    EXPECT_NE(who.out.find("expected stores by its owner xpc alone"), std::string::npos) << who.out;
+    EXPECT_EQ(test::run_rths({"who", run.ring, "daq.force.fbk"}).exit_code, 0);
   }
 
   const test::Finished finished = run.running.wait();
