@@ -339,7 +339,11 @@ int run(const RunArguments& given) {
     return end_early(outcome, has_response ? run_folder.path() : "");
   }
   if (!interruptible) interruptible.emplace();
-  return where == Recorded::Here ? judge_and_report(arguments, experiment, run_folder.path()) : kOk;
+  if (where == Recorded::Here && !experiment.history)
+    return judge_and_report(arguments, experiment, run_folder.path());
+  for (const auto& line : outcome.foreign_stores) write_message("rths: " + line + "\n");
+  if (where == Recorded::Here) judge_and_report(arguments, experiment, run_folder.path());
+  return outcome.foreign_stores.empty() ? kOk : kConditionNotMet;
 }
 
 int node(const NodeArguments& arguments) {

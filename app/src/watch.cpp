@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/broker/watch.hpp>
+#include <rths/broker/watch_text.hpp>
 
 #include "commands.hpp"
 
@@ -14,16 +14,12 @@ namespace {
 
 using std::chrono::steady_clock;
 
-std::string writers_of(const std::vector<std::string>& names) {
-  return names.empty() ? "an unknown process" : fmt::format("{}", fmt::join(names, ", "));
-}
-
 // Prints address, value, owner of the word, and the processes that may have stored it.
 void print_store(const broker::PlainStore& store, TimePoint begun) {
   fmt::print("({:.3f}) longword {} (byte {}) = {:#010x}: {}; stored without a journal by {}\n",
              to_seconds(store.seen - begun), store.offset.value(),
              to_byte_offset(store.offset).value(), store.value,
-             store.owner.empty() ? "no owner" : "owner " + store.owner, writers_of(store.others));
+             store.owner.empty() ? "no owner" : "owner " + store.owner, broker::writers_of(store));
   std::fflush(stdout);
 }
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <rths/broker/follow.hpp>
+#include <rths/broker/watch_text.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 
@@ -39,6 +41,69 @@ nlohmann::ordered_json age_ms(TimePoint time, TimePoint now) {
   return std::max(0.0, 1e3 * to_seconds(now - time));
 }
 
+/// Stores by other processes than the owners, by longword.
+using ForeignStores = std::map<std::uint32_t, broker::PlainStore>;
+
+// Stores that appear while this looks.
+ForeignStores stores_of_a_moment(broker::Ring& ring) {
+  constexpr int kLooks = 150;  // 1 ms apart
+  ForeignStores found;
+  broker::Watch watch{ring, broker::Journalling::None};
+  WallClock clock;
+  for (int i = 0; i < kLooks; ++i) {
+    for (auto& store : watch.look())
+      if (!store.owner.empty()) found.try_emplace(store.offset.value(), std::move(store));
+    clock.sleep_until(clock.now() + std::chrono::milliseconds{1});
+  }
+  return found;
+}
+
+// Words that differ from the journal of their owner, which is on the ring and journals its writes.
+ForeignStores differing_words(broker::Ring& ring, const broker::RingReport& report,
+                              const broker::Node& node) {
+  ForeignStores found;
+  for (const auto& entry : ring.map().signals()) {
+    const auto offset = entry.signal->offset;
+    const std::string& owner = entry.partition->node;
+    const bool journals =
+        std::any_of(report.occupants.begin(), report.occupants.end(), [&](const auto& occupant) {
+          return occupant.node == owner && occupant.alive && !occupant.plain;
+        });
+    if (!journals) continue;
+    const std::uint32_t word = node.read(offset);
+    const auto last = ring.last_write(offset);
+    if (last.value && *last.value != word)
+      found[offset.value()] = {offset, word, owner, false, {}, last.not_after};
+  }
+  return found;
+}
+
+// A journal is behind a word for a moment only, so words that differ are read twice.
+ForeignStores foreign_stores(broker::Ring& ring, const std::string& name,
+                             const broker::Node& node) {
+  const auto report = broker::inspect_ring(name);
+  if (!report) return {};
+  auto before = differing_words(ring, *report, node);
+  ForeignStores found = stores_of_a_moment(ring);
+  const auto after = differing_words(ring, *report, node);
+  for (auto& [offset, store] : before) {
+    const auto still = after.find(offset);
+    if (still == after.end() || still->second.value != store.value) continue;
+    for (const auto& occupant : report->occupants)
+      if (occupant.plain && occupant.alive)
+        store.others.push_back(fmt::format("{} (process {})", occupant.node, occupant.pid));
+    found.try_emplace(offset, store);
+  }
+  return found;
+}
+
+std::string foreign_text(const memmap::Map& map, const broker::PlainStore& store, TimePoint now) {
+  return fmt::format("; but stored as {} by {}{}, expected stores by its owner {} alone",
+                     broker::word_value(map, store.offset, store.value), broker::writers_of(store),
+                     store.seen.count() == 0 ? "" : ", seen " + ago(store.seen, now) + " ago",
+                     store.owner);
+}
+
 nlohmann::ordered_json json_of(const memmap::SignalEntry& entry, double value,
                                const broker::LastWrite& last, TimePoint now) {
   return {{"signal", entry.name},
@@ -55,6 +120,8 @@ nlohmann::ordered_json json_of(const memmap::SignalEntry& entry, double value,
 int who(const WhoArguments& arguments) {
   broker::Ring ring = broker::Ring::attach(arguments.ring);
   const broker::Node node = ring.observe();
+  const auto foreign = foreign_stores(ring, arguments.ring, node);
+  bool is_foreign = false;
   for (const auto* found : selected_signals(ring, arguments.ring, arguments.patterns)) {
     const auto& entry = *found;
     const memmap::Codec codec{*entry.signal};
@@ -62,13 +129,20 @@ int who(const WhoArguments& arguments) {
     const double value = codec.from_si(codec.decode(node.read(offset)));
     const auto last = ring.last_write(offset);
     const TimePoint now = WallClock{}.now();
-    if (arguments.format == "json")
-      fmt::print("{}\n", json_of(entry, value, last, now).dump());
-    else
-      fmt::print("{} = {:.7g} {}: {}\n", entry.name, value,
-                 entry.signal->unit == "1" ? "" : entry.signal->unit, describe(last, now));
+    const auto store = foreign.find(offset.value());
+    const bool is_stored = store != foreign.end();
+    is_foreign = is_foreign || is_stored;
+    if (arguments.format == "json") {
+      auto line = json_of(entry, value, last, now);
+      if (is_stored) line["foreign_writers"] = broker::writers_of(store->second);
+      fmt::print("{}\n", line.dump());
+      continue;
+    }
+    fmt::print("{} = {:.7g} {}: {}{}\n", entry.name, value,
+               entry.signal->unit == "1" ? "" : entry.signal->unit, describe(last, now),
+               is_stored ? foreign_text(ring.map(), store->second, now) : "");
   }
-  return kOk;
+  return is_foreign ? kConditionNotMet : kOk;
 }
 
 }  // namespace rths::app

@@ -23,6 +23,7 @@ namespace {
 constexpr int kMostWrites = 1 << 20;     // of a node, read in one look
 constexpr std::size_t kChunkWords = 16;  // compared at once: a cache line
 // The scheduler may stop a writer between a word and its journal entry; such a store is no error.
+// For owners without heartbeats.
 constexpr Duration kConfirmation = std::chrono::milliseconds{100};
 
 }  // namespace
@@ -63,7 +64,8 @@ struct Watch::State {
 
   Ring& ring;
   Segment& segment;
-  OnlyWatch only;
+  bool journals;
+  std::optional<OnlyWatch> only;
   Node observer;
   std::vector<Member> members;
   std::vector<std::uint32_t> expected;  ///< value of each word by the journals
@@ -77,11 +79,9 @@ struct Watch::State {
     std::uint32_t value;
     TimePoint since;
     std::uint64_t beats;  ///< of the word's owner, after the value was seen
-    std::uint64_t look;   ///< number of the last look that saw it
   };
   std::map<std::uint32_t, Suspect> suspects;           ///< by word
   std::array<std::uint64_t, kMaxSlots> plain_joins{};  ///< of each slot, at the last look
-  std::uint64_t looks = 0;
   const std::function<Judgement(LongwordOffset)>* judge = nullptr;  ///< of this look
 
   void note_plain_joins();
@@ -93,7 +93,12 @@ struct Watch::State {
   void expect(const Write& write);
   void accept_words_of(const std::string& owner);
   void journal(Member& owner, PlainStore store, std::vector<PlainStore>& found);
-  [[nodiscard]] bool is_confirmed(const PlainStore& store, const Member* owner);
+  void observe_plain(Member& member);
+  void suspect(const PlainStore& store, const Member* owner);
+  enum class Verdict { Open, Foreign, Unknown };
+  [[nodiscard]] Verdict verdict_on(const Suspect& suspect, const Member* owner, TimePoint now);
+  void judge_suspects(std::vector<PlainStore>& found);
+  [[nodiscard]] Member* member_of(const std::string& node);
   void compare(std::vector<PlainStore>& found);
   void compare_data(std::vector<PlainStore>& found);
   [[nodiscard]] Judgement judged(LongwordOffset offset, std::uint32_t value);
@@ -129,6 +134,10 @@ void Watch::State::note_plain_joins() {
 void Watch::State::update_members(std::vector<PlainStore>& found) {
   note_plain_joins();
   for (auto& member : members) {
+    if (!journals) {
+      observe_plain(member);
+      continue;
+    }
     const Claim plain = plain_holder(member.id);
     if (plain == 0 && member.was_plain && !settle(member, found)) continue;
     member.was_plain = plain != 0;
@@ -137,6 +146,14 @@ void Watch::State::update_members(std::vector<PlainStore>& found) {
     member.on_behalf.reset();
     if (plain != 0) member.on_behalf.emplace(segment.journal(node_index(ring.map(), member.id)));
   }
+}
+
+// All values of a plain client's words are its own.
+void Watch::State::observe_plain(Member& member) {
+  const Slot* slot = segment.slot_of(member.id);
+  const bool is_plain = slot != nullptr && std::atomic_ref{slot->plain}.load() != 0;
+  if (is_plain || member.was_plain) accept_words_of(member.name);
+  member.was_plain = is_plain;
 }
 
 // The last stores of a plain client that has left are its own. If a node that journals has joined
@@ -186,24 +203,27 @@ void Watch::State::read_journals() {
   }
 }
 
-// A newer write of the owner also clears a suspicion: its words then are as the journal has them.
 // The journal of a damaged ring may have words of no partition.
 void Watch::State::expect(const Write& write) {
   const std::uint32_t begin = write.offset.value();
-  const auto length = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(write.group.size()));
-  if (begin + length > expected.size()) return;
-  if (write.group.empty())
-    expected[begin] = write.value;
-  else
-    std::copy(write.group.begin(), write.group.end(), expected.begin() + begin);
-  suspects.erase(suspects.lower_bound(begin), suspects.lower_bound(begin + length));
+  const std::span<const std::uint32_t> values =
+      write.group.empty() ? std::span{&write.value, 1} : write.group;
+  if (begin + values.size() > expected.size()) return;
+  std::copy(values.begin(), values.end(), expected.begin() + begin);
+  for (auto at = suspects.lower_bound(begin); at != suspects.end();) {
+    const std::uint32_t i = at->first - begin;
+    if (i >= values.size()) break;
+    at = at->second.value == values[i] ? suspects.erase(at) : std::next(at);
+  }
 }
 
 void Watch::State::accept_words_of(const std::string& owner) {
   for (const auto& partition : ring.map().partitions())
-    if (partition.node == owner)
-      for (std::uint32_t i = 0; i < partition.longwords; ++i)
-        expected[partition.base.value() + i] = word(partition.base.value() + i);
+    if (partition.node == owner) {
+      const std::uint32_t begin = partition.base.value(), end = begin + partition.longwords;
+      for (std::uint32_t i = begin; i < end; ++i) expected[i] = word(i);
+      suspects.erase(suspects.lower_bound(begin), suspects.lower_bound(end));
+    }
 }
 
 void Watch::State::journal(Member& owner, PlainStore store, std::vector<PlainStore>& found) {
@@ -226,17 +246,56 @@ std::vector<std::string> Watch::State::plain_clients() {
   return names;
 }
 
+// The first value stays until it is explained or judged, also if another follows.
+void Watch::State::suspect(const PlainStore& store, const Member* owner) {
+  const auto [at, is_new] = suspects.try_emplace(store.offset.value());
+  if (is_new)
+    at->second = {store.value, store.seen, owner == nullptr ? 0 : observer.beats_of(owner->id)};
+}
+
 // The owner may be stopped between a word and its journal entry. If it beats, it has journalled the
 // word before its next beat, and this look has read that journal after the beat.
-bool Watch::State::is_confirmed(const PlainStore& store, const Member* owner) {
-  const auto beats = [&] { return owner == nullptr ? 0 : observer.beats_of(owner->id); };
-  auto& suspect = suspects.try_emplace(store.offset.value(), Suspect{}).first->second;
-  if (suspect.look == 0 || suspect.value != store.value)
-    suspect = {store.value, store.seen, beats(), looks};
-  suspect.look = looks;
-  if (store.seen - suspect.since < kConfirmation) return false;
-  if (owner == nullptr || suspect.beats == 0 || owner->beats != suspect.beats) return true;
-  return observer.presence_of(owner->id).state != Presence::State::Alive;
+Watch::State::Verdict Watch::State::verdict_on(const Suspect& suspect, const Member* owner,
+                                               TimePoint now) {
+  const bool is_old = now - suspect.since >= kConfirmation;
+  if (owner == nullptr || suspect.beats == 0) return is_old ? Verdict::Foreign : Verdict::Open;
+  if (owner->beats > suspect.beats) return Verdict::Foreign;
+  if (owner->beats < suspect.beats && owner->beats > 0) return Verdict::Unknown;  // a successor
+  if (!is_old) return Verdict::Open;
+  switch (observer.presence_of(owner->id).state) {
+    case Presence::State::Alive:
+      return Verdict::Open;
+    case Presence::State::Absent:
+      return Verdict::Foreign;
+    case Presence::State::Vanished:
+      break;  // it may have ended before the entry
+  }
+  return Verdict::Unknown;
+}
+
+void Watch::State::judge_suspects(std::vector<PlainStore>& found) {
+  const TimePoint now = WallClock{}.now();
+  for (auto at = suspects.begin(); at != suspects.end();) {
+    const auto& [offset, suspect] = *at;
+    const auto* partition = ring.map().partition_at(LongwordOffset{offset});
+    const std::string owner = partition == nullptr ? "" : partition->node;
+    const Verdict verdict = verdict_on(suspect, member_of(owner), now);
+    if (verdict == Verdict::Open) {
+      ++at;
+      continue;
+    }
+    if (verdict == Verdict::Foreign)
+      found.push_back(
+          {LongwordOffset{offset}, suspect.value, owner, false, plain_clients(), suspect.since});
+    if (word(offset) == suspect.value) expected[offset] = suspect.value;
+    at = suspects.erase(at);
+  }
+}
+
+Watch::State::Member* Watch::State::member_of(const std::string& node) {
+  const auto member = std::find_if(members.begin(), members.end(),
+                                   [&](const Member& one) { return one.name == node; });
+  return member == members.end() ? nullptr : &*member;
 }
 
 // A plain client's store to its own word.
@@ -249,10 +308,8 @@ Judgement Watch::State::judged(LongwordOffset offset, std::uint32_t value) {
 }
 
 Watch::State::Member* Watch::State::plain_member(const std::string& node) {
-  const auto member = std::find_if(members.begin(), members.end(), [&](const Member& candidate) {
-    return candidate.name == node && candidate.on_behalf;
-  });
-  return member == members.end() ? nullptr : &*member;
+  Member* const member = member_of(node);
+  return member != nullptr && member->on_behalf ? member : nullptr;
 }
 
 void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
@@ -261,18 +318,15 @@ void Watch::State::check_word(std::uint32_t offset, std::uint32_t value,
   PlainStore store{
       LongwordOffset{offset}, value, partition == nullptr ? "" : partition->node, false, {},
       WallClock{}.now()};
-  const auto owner = std::find_if(members.begin(), members.end(),
-                                  [&](const Member& m) { return m.name == store.owner; });
-  if (owner != members.end() && owner->on_behalf) {
-    if (judged(store.offset, value) != Judgement::Take) return;
-    store.allowed = true;
-    return journal(*owner, std::move(store), found);
+  Member* const owner = member_of(store.owner);
+  if (owner != nullptr && !journals && owner->was_plain) {
+    expected[offset] = value;
+    return;
   }
-  if (!is_confirmed(store, owner == members.end() ? nullptr : &*owner)) return;
-  store.others = plain_clients();
-  suspects.erase(offset);
-  expected[offset] = value;
-  found.push_back(std::move(store));
+  if (owner == nullptr || !owner->on_behalf) return suspect(store, owner);
+  if (judged(store.offset, value) != Judgement::Take) return;
+  store.allowed = true;
+  journal(*owner, std::move(store), found);
 }
 
 // A program stores its data before the flag that announces them, and clears flags before it sets
@@ -285,7 +339,6 @@ void Watch::State::compare(std::vector<PlainStore>& found) {
     for (const auto& flag : flags)
       if (flag.value != expected[flag.offset] && (flag.value != 0) == is_set)
         check_word(flag.offset, flag.value, found);
-  std::erase_if(suspects, [&](const auto& suspect) { return suspect.second.look != looks; });
 }
 
 void Watch::State::compare_data(std::vector<PlainStore>& found) {
@@ -302,22 +355,24 @@ void Watch::State::compare_data(std::vector<PlainStore>& found) {
   }
 }
 
-Watch::Watch(Ring& ring)
+Watch::Watch(Ring& ring, Journalling journalling)
     : state_{new State{ring,
                        ring.segment(),
-                       State::OnlyWatch{ring.segment()},
+                       journalling == Journalling::OnBehalf,
+                       std::nullopt,
                        ring.observe(),
                        {},
                        {},
                        {},
                        {},
                        {}}} {
+  if (state_->journals) state_->only.emplace(ring.segment());
   std::uint32_t end = 0;
   for (const auto& partition : ring.map().partitions())
     end = std::max(end, partition.base.value() + partition.longwords);
   for (const auto& node : ring.map().description().nodes)
     state_->members.push_back({node.name, node.id, ring.follow(node.name)});
-  register_as_writer();
+  if (state_->journals) register_as_writer();
   for (std::uint32_t i = 0; i < end; ++i) state_->expected.push_back(state_->word(i));
   state_->is_flag.resize(end);
   for (const auto& entry : ring.map().signals()) {
@@ -331,6 +386,8 @@ Watch::Watch(Ring& ring)
 
 Watch::~Watch() = default;
 
+bool Watch::has_suspicion() const { return !state_->suspects.empty(); }
+
 bool Watch::is_plain(const std::string& node) const {
   return std::any_of(state_->members.begin(), state_->members.end(),
                      [&](const auto& member) { return member.name == node && member.on_behalf; });
@@ -339,7 +396,6 @@ bool Watch::is_plain(const std::string& node) const {
 std::vector<PlainStore> Watch::look(const std::function<Judgement(LongwordOffset)>& judge) {
   std::vector<PlainStore> found;
   state_->judge = &judge;
-  ++state_->looks;
   state_->read_journals();
   state_->update_members(found);
   const auto now = static_cast<std::uint64_t>(WallClock{}.now().count());
@@ -348,8 +404,9 @@ std::vector<PlainStore> Watch::look(const std::function<Judgement(LongwordOffset
     member.beats = state_->observer.beats_of(member.id);
   }
   state_->read_journals();
+  state_->judge_suspects(found);
   state_->compare(found);
-  std::atomic_ref{state_->segment.header().looks}.fetch_add(1);
+  if (state_->journals) std::atomic_ref{state_->segment.header().looks}.fetch_add(1);
   return found;
 }
 

@@ -111,6 +111,8 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
                              {"wall_time_s", fmt::format("{:.3f}", outcome.wall_time)},
                              {"privileges", privileges.empty() ? "all" : privileges}};
   if (!result.faults.empty()) meta.emplace_back("faults", result.faults);
+  if (!result.foreign_stores.empty())
+    meta.emplace_back(recording::kForeignStores, to_text(result.foreign_stores));
   if (outcome.completed && !outcome.stopped_early)
     meta.emplace_back(
         "times_real_time",
@@ -153,6 +155,7 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   outcome.has_ring_faults = !result.faults.empty();
   outcome.completed = outcome.trouble.empty() && !outcome.interrupted;
   outcome.wall_time = to_seconds(clock.now() - begun);
+  for (const auto& store : result.foreign_stores) outcome.foreign_stores.push_back(store.text());
   if (!std::filesystem::exists(options.recording)) return outcome;
   try {
     add_to_meta(options.recording, experiment, outcome, result);

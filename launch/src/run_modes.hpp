@@ -7,6 +7,7 @@
 
 #include <rths/broker/ring.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/recording/foreign_stores.hpp>
 
 #include "assembly.hpp"
 
@@ -41,9 +42,10 @@ struct RunResult {
   bool interrupted = false;
   bool stopped_early = false;  ///< by request, in order
   HostLateness lateness;
-  std::map<std::string, adapters::StepTimes> times;  ///< by node; some or none
-  std::vector<std::string> privileges;               ///< missing privileges, one line per node
-  std::string faults;                                ///< of the cards, on purpose; empty if none
+  std::map<std::string, adapters::StepTimes> times;     ///< by node; some or none
+  std::vector<std::string> privileges;                  ///< missing privileges, one line per node
+  std::string faults;                                   ///< of the cards, on purpose; empty if none
+  std::vector<recording::ForeignStore> foreign_stores;  ///< of the words of this host
 };
 [[nodiscard]] RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
                                          const RunOptions& options);

@@ -19,6 +19,7 @@
 #include "host_probe.hpp"
 #include "interrupt.hpp"
 #include "launcher_link.hpp"
+#include "ownership.hpp"
 #include "run_modes.hpp"
 #include "step_times.hpp"
 
@@ -60,6 +61,8 @@ class WallRun {
         nodes_.push_back({station.plan.node, ChildProcess{arguments_for(station.plan.node)}});
   }
 
+  /// Looks for words that another process than their owner stores.
+  void watch_by(OwnershipWatch& ownership) { ownership_ = &ownership; }
   /// The thread that carries the messages of cards.
   void carry_by(CardCarrier& carrier) { carrier_ = &carrier; }
 
@@ -104,6 +107,7 @@ class WallRun {
     }
     result_.interrupted = InterruptGuard::is_interrupted();
     result_.lateness = probe.finish();
+    if (ownership_ != nullptr) result_.foreign_stores = ownership_->finish(epoch);
     return std::move(result_);
   }
 
@@ -254,6 +258,7 @@ class WallRun {
   const RunOptions& options_;
   HostLink* link_;
   CardCarrier* carrier_ = nullptr;
+  OwnershipWatch* ownership_ = nullptr;
   WallClock clock_;
   std::deque<NodeProcess> nodes_;
   std::optional<TimePoint> stopping_;
@@ -264,11 +269,13 @@ class WallRun {
 
 // Tells the other hosts how the test ended here.
 RunResult run_with_other_hosts(const Experiment& experiment, const Assembly& assembly,
-                               const RunOptions& options, HostLink& link) {
+                               const RunOptions& options, HostLink& link,
+                               OwnershipWatch& ownership) {
   const Duration farewell = longest_stop(experiment) + kRestMargin;
   RunResult result;
   try {
     WallRun run{experiment, assembly, options, &link};
+    run.watch_by(ownership);
     run.wait_until_ready();
     result = run.run();
   } catch (const Error& error) {
@@ -308,13 +315,15 @@ RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembl
   if (experiment.cards) return run_on_images(experiment, assembly, options);
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
   const RunCleaning cleaning{options};
+  OwnershipWatch ownership{ring};
   if (options.host.empty()) {
     WallRun run{experiment, assembly, options, nullptr};
+    run.watch_by(ownership);
     run.wait_until_ready();
     return run.run();
   }
   HostLink link{ring, experiment, options};
-  return run_with_other_hosts(experiment, assembly, options, link);
+  return run_with_other_hosts(experiment, assembly, options, link, ownership);
 }
 
 }  // namespace rths::launch

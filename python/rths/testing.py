@@ -146,6 +146,13 @@ class Laboratory:
                                      f"{self._quantity(signal, value)} after {time.monotonic() - begun:.3f} s")
         self._engine.check_programs()
 
+    def check_owners(self) -> None:
+        """Judges the stores of the last moment, too; the fixture calls it at the end of a test.
+
+        AssertionError if a word was stored by another process than its owner.
+        """
+        self._engine.check_owners()
+
     def close(self, *, keep: bool = False) -> None:
         """Ends all processes and removes the ring. The folder stays; with `keep`, it gets the recording of all writes."""
         with contextlib.ExitStack() as stack:
@@ -214,6 +221,19 @@ _FAILED = pytest.StashKey[bool]()
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.getgroup("rths").addoption("--rths-keep", metavar="DIR", default="out/failed_tests",
                                       help="folder for logs and recordings of failed tests [out/failed_tests]")
+
+
+@pytest.hookimpl(hookwrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
+    outcome = yield
+    kept = item.stash.get(_KEPT, None)
+    if kept is None or outcome.excinfo is not None:
+        return
+    try:
+        for laboratory in kept.laboratories:
+            laboratory.check_owners()
+    except AssertionError as error:
+        outcome.force_exception(error)
 
 
 @pytest.hookimpl(hookwrapper=True)

@@ -40,6 +40,7 @@ void bind_testkit(py::module_& module) {
       .def("flip", &Laboratory::flip, py::arg("signal"), py::arg("bit"))
       .def("restore", &Laboratory::restore, py::arg("node"))
       .def("check_programs", &Laboratory::check_programs)
+      .def("check_owners", &Laboratory::check_owners, Unlocked{})
       .def("close", &Laboratory::close, Unlocked{})
       .def("keep", &Laboratory::keep);
 }

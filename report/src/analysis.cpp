@@ -2,6 +2,7 @@
 #include "analysis.hpp"
 #include "companions.hpp"
 #include "evidence.hpp"
+#include "solver_time.hpp"
 #include "ticks.hpp"
 #include "vertical.hpp"
 
@@ -200,9 +201,8 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
 }
 
 // Model time that the test reached.
-double duration_of(const Reader& run, const Roles& roles, const Analysis& analysis) {
-  if (run.has(roles.time))
-    if (const auto time = run.signal(roles.time); time.back() > 0) return time.back();
+double duration_of(const Reader& run, const SolverTime& solver, const Analysis& analysis) {
+  if (!solver.signal.empty() && !solver.moves.empty()) return solver.moves.back().time;
   const std::size_t steps = analysis.steps.start.size();
   return steps > 0 ? static_cast<double>(steps) * analysis.integration_step
                    : model_time_at(run.time().back(), analysis.rest, analysis.rate);
@@ -341,7 +341,9 @@ Analysis analyse(const std::filesystem::path& folder) {
   add_axes(analysis, run, ticks, roles);
   if (uncompensated) add_raw_delays(analysis, *uncompensated);
   analysis.steps = analyse_steps(run, roles, host);
-  analysis.duration = duration_of(run, roles, analysis);
+  const SolverTime solver = solver_time_of(run);
+  analysis.duration = duration_of(run, solver, analysis);
+  analysis.achieved_rate = achieved_rate(solver, analysis.integration_step);
   analysis.vertical =
       analyse_vertical(run, ticks, roles, analysis.rate,
                        analysis.steps.start.empty() ? 0 : analysis.steps.start[0] / analysis.rate);

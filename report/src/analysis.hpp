@@ -145,11 +145,12 @@ struct Analysis {
   double spectrum_elevation = 0;   ///< [m]
   std::vector<std::string> scope;  ///< sentences: tested, simulated, assumed
   std::vector<OperatorChange> changes;
-  std::vector<SafetyChange> safety;  ///< none: the machine has no safety layer
-  double control_rate = 0;           ///< [Hz]
-  double integration_step = 0;       ///< in model time [s]
-  double rate = 1;                   ///< wall time over model time
-  double rest = 0;                   ///< wall time before the test [s]
+  std::vector<SafetyChange> safety;     ///< none: the machine has no safety layer
+  double control_rate = 0;              ///< [Hz]
+  double integration_step = 0;          ///< in model time [s]
+  double rate = 1;                      ///< wall time over model time, as planned
+  std::optional<double> achieved_rate;  ///< the same, from the recording
+  double rest = 0;                      ///< wall time before the test [s]
   int processes = 1;
   std::vector<AxisAnalysis> axes;
   StepAnalysis steps;

@@ -8,10 +8,12 @@
 #include <fmt/format.h>
 
 #include <rths/core/status.hpp>
+#include <rths/recording/foreign_stores.hpp>
 
 #include "analysis.hpp"
 #include "companions.hpp"
 #include "conditions.hpp"
+#include "solver_time.hpp"
 
 namespace rths::report {
 namespace {
@@ -20,35 +22,7 @@ using recording::Reader;
 
 constexpr double kRounding = 0.5;  // of an integration step
 
-// Largest value of a signal; 0 if it is not recorded.
-double largest_of(const Reader& run, const std::string& signal) {
-  double largest = 0;
-  if (run.has(signal))
-    for (const double value : run.signal(signal)) largest = std::max(largest, value);
-  return largest;
-}
-
 double end_of(const Reader& run) { return run.time().empty() ? 0 : run.time().back(); }
-
-// Model time that the test reached.
-double reached_in(const Reader& run, const Config& experiment, bool is_completed) {
-  const double step = experiment.number("integration_step_s", 0.01);
-  const auto roles = recording::roles_of(run);
-  const double latest = largest_of(run, roles.time);
-  // The time of OpenSees can restart. Its count lacks trials that repeat the one before, as the
-  // first, which its time has.
-  const Config nodes = experiment.table("node");
-  const std::string moves =
-      "monitor." + recording::node_with(nodes, {"opensees"}).value_or("") + ".step";
-  if (run.has(moves)) return std::max((largest_of(run, moves) + 1) * step, latest);
-  if (latest > 0 || (run.has(roles.time) && recording::node_with(nodes, {"numerical"})))
-    return latest;
-  // A solver of the user's own may write no time.
-  const std::string counted = roles.monitor_of_controller() + "pc.targets";
-  if (run.has(counted)) return largest_of(run, counted) * step;
-  if (is_completed) return experiment.number("duration_s");
-  return model_time_at(end_of(run), experiment.number("rest_s", 0), experiment.number("rate", 1));
-}
 
 Break end_of_run(const Reader& run, const Config& experiment) {
   const double planned = experiment.number("duration_s");
@@ -115,6 +89,19 @@ Break restart_of(const Reader& run, const std::string& node) {
           fmt::format("its step count fell from {:.0f} to {:.0f}", counter[i - 1], counter[i]),
           "the same process to the end"};
   return {};
+}
+
+// Of several words, the first.
+Break owner_of(const Reader& run) {
+  const auto stores = recording::foreign_stores_of(run);
+  if (stores.empty()) return {};
+  const auto& first = stores.front();
+  const std::string others =
+      stores.size() == 1
+          ? ""
+          : fmt::format("; and {} more word{}", stores.size() - 1, stores.size() == 2 ? "" : "s");
+  return Broken{"owner", first.time, first.signal, first.found() + others,
+                fmt::format("stores by its owner {} alone", first.owner)};
 }
 
 // Rows of the test, without the retreat after it.
@@ -237,8 +224,10 @@ void judge_run(Judgement& judgement, const Reader& run, const Config& experiment
                const Bounds& bounds) {
   judgement.add(end_of_run(run, experiment));
   judgement.add(safety_of(run));
+  judgement.add(owner_of(run));
   judgement.add(missing_rows(run, bounds));
   if (run.rows() < 2) return;
+  judgement.add(time_of(solver_time_of(run), experiment.number("integration_step_s", 0.01)));
   const HostLateness host = lateness_of(run);
   judgement.add(late_host(run, host, bounds));
   for (const auto& node : nodes_of(run)) {

@@ -272,6 +272,15 @@ std::string vertical_summary(const std::optional<VerticalAnalysis>& vertical) {
             : "");
 }
 
+// A rate that differs from the planned one by more than rounding.
+std::string rate_summary(const Analysis& analysis) {
+  constexpr double kWorthStating = 0.01;
+  const auto& achieved = analysis.achieved_rate;
+  if (!achieved || std::abs(*achieved - analysis.rate) <= kWorthStating * analysis.rate) return "";
+  return fmt::format("rate    {:.2f} s of wall time per second of the model, planned {:g}\n",
+                     *achieved, analysis.rate);
+}
+
 std::string beside_summary(const std::optional<Beside>& beside) {
   if (!beside) return "";
   std::string text = fmt::format(
@@ -319,6 +328,8 @@ Json numbers_of(const Analysis& analysis) {
   json["control_rate_hz"] = rounded(analysis.control_rate, 3);
   json["integration_step_s"] = analysis.integration_step;
   json["rate"] = analysis.rate;
+  json["achieved_rate"] =
+      analysis.achieved_rate ? Json(rounded(*analysis.achieved_rate, 4)) : Json(nullptr);
   json["integration_steps"] = count_of(steps);
   json["overruns"] = total_overruns(analysis);
   json["slow_downs"] = steps.slow_downs;
@@ -387,6 +398,7 @@ std::string summary_of(const Analysis& analysis) {
   for (const auto& axis : analysis.axes)
     text += axis_summary(axis) + response_summary(axis.name, analysis);
   text += vertical_summary(analysis.vertical) + beside_summary(analysis.beside);
+  text += rate_summary(analysis);
   text += changes_summary(analysis.changes);
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
                       largest(analysis.host_late.values) * kMilli, steps.excused_count,

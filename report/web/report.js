@@ -67,7 +67,9 @@
     byId("title").textContent = n.name.replaceAll("_", " ");
     byId("subtitle").append(
       `${n.motion} · ${n.duration_s} s · ${n.clock === "wall" ? "in real time" : "in virtual time"}, ` +
-      `${n.processes} process${n.processes === 1 ? "" : "es"} · ${n.meta.started}`,
+      `${n.processes} process${n.processes === 1 ? "" : "es"} · ${n.meta.started}` +
+      (n.achieved_rate && Math.abs(n.achieved_rate - n.rate) > 0.01 * n.rate
+        ? ` · ${fixed(n.achieved_rate, 2)} s of wall time per second of the model, planned ${n.rate}` : ""),
       ...(n.synthetic ? [el("span", { className: "badge", textContent: "synthetic specimen and machine" })] : []));
     const slow = (n.slow_downs === 0 ? "no slow-downs" : `${n.slow_downs} slow-downs`) +
       (n.slow_downs_excused ? ` (and ${n.slow_downs_excused} while the host was late)` : "");

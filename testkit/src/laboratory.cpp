@@ -26,7 +26,9 @@ namespace {
 constexpr double kEventually = 5;                     // [s]
 constexpr double kLongestTime = 1e6;                  // [s]
 constexpr Duration kGrace = std::chrono::seconds{2};  // of a program that was asked to end
-constexpr Duration kProgramLook = std::chrono::milliseconds{20};  // at the programs
+constexpr Duration kProgramLook = std::chrono::milliseconds{20};        // at the programs
+constexpr Duration kLastLooks = std::chrono::milliseconds{5};           // at stores
+constexpr Duration kLongestJudgement = std::chrono::milliseconds{200};  // of a store
 constexpr Duration kStartLook = std::chrono::milliseconds{2};
 constexpr const char* kPrefix = "test_";
 constexpr std::size_t kMostLogBytes = 100 << 20;
@@ -112,6 +114,8 @@ struct Laboratory::State {
   double follow(double seconds, const std::string& signal, Changed changed);
   void wait_for_node(const Program& program, const std::string& program_name);
   void check_programs();
+  void check_stores();
+  [[nodiscard]] bool has_suspicion() const;
   void end_programs();
 };
 
@@ -319,12 +323,35 @@ bool Laboratory::has_ended(const std::string& program) {
 
 void Laboratory::check_programs() { state_->check_programs(); }
 
+bool Laboratory::State::has_suspicion() const {
+  return recorder->has_suspicion() || std::any_of(links.begin(), links.end(), [](const auto& link) {
+           return link.second->has_suspicion();
+         });
+}
+
+// The thread makes the last look after this call has begun.
+void Laboratory::check_owners() {
+  if (!state_->ring) return;
+  WallClock clock;
+  const TimePoint latest = clock.now() + kLongestJudgement;
+  do clock.sleep_until(clock.now() + kLastLooks);
+  while (state_->has_suspicion() && clock.now() < latest);
+  state_->check_stores();
+}
+
+void Laboratory::State::check_stores() {
+  if (const auto text = recorder->foreign_store(); !text.empty()) throw NotMet{text};
+  for (const auto& [node, link] : links)
+    if (const auto text = link->foreign_store(); !text.empty()) throw NotMet{text};
+}
+
 void Laboratory::State::check_programs() {
   for (auto& [program_name, started] : programs)
     if (!started.is_killed && started.process->has_ended())
       if (const auto failure = started.process->failure()) throw NotMet{*failure};
   for (const auto& [node, link] : links)
     if (const auto trouble = link->trouble(); !trouble.empty()) throw Error{trouble};
+  check_stores();
 }
 
 void Laboratory::State::end_programs() {

@@ -42,6 +42,9 @@ class Link {
   void restore();
   /// The first error of its threads; empty if none.
   [[nodiscard]] std::string trouble() const;
+  /// The first store of the program into a word of another node, as one line; empty: none.
+  [[nodiscard]] std::string foreign_store() const;
+  [[nodiscard]] bool has_suspicion() const { return has_suspicion_.load(); }
 
  private:
   struct Message {
@@ -64,9 +67,10 @@ class Link {
 
   std::string ring_, image_, node_;
   const memmap::Map& map_;
-  mutable std::mutex mutex_;  ///< of the next two
+  mutable std::mutex mutex_;  ///< of the next three
   Faults faults_;
-  std::string trouble_;
+  std::string trouble_, foreign_store_;
+  std::atomic<bool> has_suspicion_{false};
   std::atomic<int> ready_{0};
   std::atomic<bool> ends_{false};
   std::vector<std::thread> threads_;

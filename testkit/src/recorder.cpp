@@ -5,14 +5,14 @@
 
 #include <fmt/format.h>
 
-#include <rths/broker/watch.hpp>
+#include <rths/broker/watch_text.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::testkit {
 namespace {
 
-constexpr Duration kRecorderLook = std::chrono::milliseconds{10};  // for the end
-constexpr Duration kStoreLook = std::chrono::microseconds{500};    // at stores through pointers
+constexpr Duration kRecorderLook = std::chrono::milliseconds{1};  // at words of others, for the end
+constexpr Duration kStoreLook = std::chrono::microseconds{500};   // at stores through pointers
 constexpr Duration kRow = std::chrono::milliseconds{1};
 constexpr Duration kLastWrites = std::chrono::milliseconds{500};  // may take so long
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
@@ -41,6 +41,29 @@ Recorder::Recorder(const std::string& ring)
   thread_ = std::thread{[this] { record(); }};
 }
 
+std::string foreign_store_text(const memmap::Map& map, const broker::PlainStore& store,
+                               TimePoint begun) {
+  return fmt::format("{}: stored as {} by {} at {:.3f} s, expected stores by its owner {} alone",
+                     broker::word_name(map, store.offset),
+                     broker::word_value(map, store.offset, store.value), broker::writers_of(store),
+                     to_seconds(store.seen - begun), store.owner);
+}
+
+void Recorder::look(broker::Watch& watch) {
+  const auto stores = watch.look();
+  has_suspicion_.store(watch.has_suspicion());
+  for (const auto& store : stores) {
+    if (store.allowed || store.owner.empty()) continue;
+    const std::lock_guard lock{mutex_};
+    if (foreign_store_.empty()) foreign_store_ = foreign_store_text(ring_->map(), store, begun_);
+  }
+}
+
+std::string Recorder::foreign_store() const {
+  const std::lock_guard lock{mutex_};
+  return foreign_store_;
+}
+
 void Recorder::record() {
   const WallClock clock;
   broker::Watch watch{ring_->ring()};
@@ -51,7 +74,7 @@ void Recorder::record() {
     const bool ends = ends_.load();
     if (ends) latest = std::min(latest, now + kLastWrites);
     if (now >= next_look) {
-      static_cast<void>(watch.look());
+      look(watch);
       next_look = now + look_period(watch, ring_->map());
     }
     broker::Write write;

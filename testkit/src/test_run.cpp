@@ -100,6 +100,7 @@ class Course {
       advance();
     }
     laboratory_.check_programs();
+    laboratory_.check_owners();
   }
 
  private:

@@ -118,6 +118,66 @@ TEST_F(WatchTest, ReportsAStoreIntoAnotherNodesWord) {
             std::vector<std::string>{"machine (process " + std::to_string(getpid()) + ")"});
 }
 
+// As the force of a controller that writes it in each tick.
+TEST_F(WatchTest, ReportsAStoreThatTheOwnerOverwrites) {
+  Watch watch{ring};
+  ASSERT_EQ(controller.write(kControllerWord, 5), Status::Ok);
+  controller.beat();
+  EXPECT_TRUE(watch.look().empty());
+  store(kControllerWord, 99);
+  EXPECT_TRUE(watch.look().empty());
+  EXPECT_TRUE(watch.has_suspicion());
+  ASSERT_EQ(controller.write(kControllerWord, 6), Status::Ok);
+  controller.beat();
+
+  const auto found = watch.look();
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].value, 99U);
+  EXPECT_EQ(found[0].owner, "controller");
+  EXPECT_FALSE(watch.has_suspicion());
+  EXPECT_TRUE(look_long(watch).empty());
+}
+
+TEST_F(WatchTest, ReportsStoresThatChangeFasterThanTheyAreJudged) {
+  Watch watch{ring};
+  std::size_t found = 0;
+  for (std::uint32_t i = 0; i < 60; ++i) {
+    store(kControllerWord, 100 + i);
+    found += watch.look().size();
+    std::this_thread::sleep_for(milliseconds{5});
+  }
+
+  EXPECT_GE(found, 1U);
+}
+
+TEST_F(WatchTest, ObservesBesideAWatchThatJournals) {
+  const Node plain = ring.join_plain("machine");
+  Watch journalling{ring};
+  Watch observing{ring, Journalling::None};
+  store(kMachineWord, 7);
+  EXPECT_EQ(journalling.look().size(), 1U);
+  EXPECT_TRUE(look_long(observing).empty());
+
+  store(kMachineWord, 8);
+  store(kControllerWord, 9);
+
+  const auto found = look_long(observing);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].offset, kControllerWord);
+  EXPECT_EQ(ring.last_write(kMachineWord).value, 7U);
+}
+
+TEST_F(WatchTest, LeavesTheStoresOfAPlainClientThatIsGoneToIt) {
+  Watch observing{ring, Journalling::None};
+  {
+    const Node plain = ring.join_plain("machine");
+    store(kMachineWord, 77);
+  }
+
+  EXPECT_TRUE(look_long(observing).empty());
+}
+
 TEST_F(WatchTest, ReportsAStoreIntoAWordWithoutOwner) {
   const Node plain = ring.join_plain("machine");
   Watch watch{ring};

@@ -31,7 +31,7 @@ double nrmse(const Rows& ours, const Rows& reference, std::size_t column) {
   return std::sqrt(difference / size);
 }
 
-std::string OpenSeesRun::experiment(const ExperimentOptions& options) const {
+std::string OpenSeesRun::experiment(const ExperimentOptions& options, double step) const {
   folder_.write("bilinear.toml",
                 "bearing = 1\ntitle = \"bilinear\"\n[bilinear]\n"
                 "characteristic_strength_N = 1_010_000\npost_yield_stiffness_N_per_m = 4_238_000\n"
@@ -50,6 +50,7 @@ name = "opensees_test"
 map = "{}"
 axes = {}
 duration_s = {}
+integration_step_s = {}
 [motion]
 file = "{}"
 column_long = 2
@@ -69,7 +70,7 @@ name = "bearing"
 port = {}
 {}
 )",
-                         options.map, options.map == "srmd" ? options.axes : kBoth, duration_,
+                         options.map, options.map == "srmd" ? options.axes : kBoth, duration_, step,
                          (tree / "examples/records" / kRecord).string(), options.partners, script,
                          options.node, port_, element))
       .string();

@@ -37,7 +37,7 @@ class OpenSeesRun : public test::WithOpenSees<> {
   };
   /// Writes an experiment with a bilinear bearing, which all programs solve exactly.
   /// @returns its file
-  [[nodiscard]] std::string experiment(const ExperimentOptions& options) const;
+  [[nodiscard]] std::string experiment(const ExperimentOptions& options, double step = 0.01) const;
   [[nodiscard]] test::Finished run(const std::string& experiment, const std::string& clock) const;
   /// Response of the same script with OpenSees' own bearing.
   [[nodiscard]] Rows own_response(const std::string& bearing) const;

@@ -199,6 +199,54 @@ TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
   EXPECT_EQ(reader.signal("monitor.opf.step").back(), 49);  // no motion in the first step
 }
 
+// The loop of many scripts: a step that does not converge is repeated in parts.
+TEST_F(OpenSeesRun, IsNotConclusiveIfAStepIsRepeatedInParts) {
+  duration_ = 1;
+  const auto finished = run(
+      experiment({kIdeal, "tests/opensees/fated.py", fmt::format(R"("{}", "halve", "50")", port_)}),
+      "virtual");
+
+  EXPECT_EQ(finished.exit_code, 1) << finished.err;
+  EXPECT_NE(finished.out.find("1 go back, 4 advance it by less (parts of a step), "
+                              "expected each advances it by 0.01 s"),
+            std::string::npos)
+      << finished.out;
+}
+
+// A script of strangers, where present.
+TEST_F(OpenSeesRun, NamesTheHalvedStepsOfStrangers) {
+  const auto data = test::source_tree() / "../shared/data/strangers/solver";
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << "SKIPPED: there is no " << data;
+  const auto finished = test::Running{
+      {"/usr/bin/env", "MODE=halve", "RTHS_OPENSEES_PYTHON=" + python_, test::rths_command(), "run",
+       (data / "adaptive.toml").string(), "--clock", "virtual", "--no-diagnosis", "--out",
+       out().string(), "--force", "--set",
+       "duration_s=6"}}.wait(60);
+
+  EXPECT_EQ(finished.exit_code, 1) << finished.out << finished.err;
+  EXPECT_NE(finished.out.find("1 go back, 5 advance it by less (parts of a step), expected each "
+                              "advances it by 0.01 s"),
+            std::string::npos)
+      << finished.out;
+}
+
+TEST_F(OpenSeesRun, RefusesAScriptWithAnotherStep) {
+  for (const char* step : {"0.02", "0.005"}) {
+    const auto finished =
+        run(experiment({kIdeal, "tests/opensees/fated.py",
+                        fmt::format(R"("{}", "leave", "50", "{}")", port_, step)}),
+            "virtual");
+    EXPECT_EQ(finished.exit_code, 2) << finished.out;
+    EXPECT_NE(finished.err.find(fmt::format("the script advances its time by {} s at its first "
+                                            "move, expected 0.01 s (integration_step_s)",
+                                            step)),
+              std::string::npos)
+        << finished.err;
+    const recording::Reader reader{out() / "run.h5"};
+    for (const double target : reader.signal("opf.long.displ.target")) EXPECT_EQ(target, 0);
+  }
+}
+
 // A bearing that is sheared, rotated and loaded by its weight, with P-Δ moments, and with local
 // axes that differ from those of the script.
 TEST_F(OpenSeesRun, FeelsSixComponentsOfABearingAsItsOwn) {
@@ -263,7 +311,8 @@ TEST_F(OpenSeesRun, SpeaksToEveryLaboratory) {
                    "[node.recorder]\nadapter = \"recorder\"\n",
                "tests/opensees/oscillator.py",
                fmt::format(R"("{}", "tcp", "100", "NewmarkExplicit", "0.5")", port_), R"(["long"])",
-               map, fmt::format("dofs = [\"{}\"]\ninitial_stiffness = [[2.8]]", axis), handshake}),
+               map, fmt::format("dofs = [\"{}\"]\ninitial_stiffness = [[2.8]]", axis), handshake},
+              0.02),
           "virtual");
       ASSERT_EQ(finished.exit_code, 0) << map << ' ' << generation << finished.err;
       std::ifstream log{out() / "run.opf.log"};
@@ -312,7 +361,11 @@ TEST_P(OpenSeesIntegrator, FeelsAColumnOnTheRingAsItsOwn) {
                    "dofs=[\"long\"], length_unit_m=0.0254, force_unit_N=4448.2216, "
                    "initial_stiffness=[[2.8]]}}]}}",
                    python_, port_, ring.string(), GetParam().integrator, port_)});
-  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  // Each iterate is a move, so five moves advance the time by one step.
+  const bool iterates = GetParam().most > 1e-3;
+  ASSERT_EQ(finished.exit_code, iterates ? 1 : 0) << finished.out << finished.err;
+  EXPECT_EQ(finished.out.find("repeat the time (iterations)") != std::string::npos, iterates)
+      << finished.out;
   test::Running alone{{python_, (examples / "one_bay_frame.py").string(),
                        (out() / "run.opf.motion.csv").string(), "--column", "steel", "--integrator",
                        GetParam().integrator, "0.8", "--duration", "10", "--response",

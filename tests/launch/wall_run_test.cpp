@@ -182,7 +182,7 @@ TEST(WallRun, TakesAsLongAsTheTest) {
   expect_regular_end(finished);
   // 3.5 s of rest and test, about 2 s to start, stop and report; a loaded machine needs a few more.
   EXPECT_GT(finished.seconds, 3.5);
-  EXPECT_LT(finished.seconds, 20);
+  EXPECT_LT(finished.host_seconds, 20);
 }
 
 class Death : public ::testing::TestWithParam<const char*> {};

@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 """A mass on an experimental bearing; the script fails in a given way after some steps.
 
-usage: fated.py PORT kill|freeze|fail|vanish|leave STEPS
+usage: fated.py PORT kill|freeze|fail|vanish|leave|halve STEPS [STEP_S]
+
+With halve, the next step fails and is repeated in four parts, and as many steps follow.
 """
 import os
 import signal
@@ -22,7 +24,8 @@ ops.system("FullGeneral")
 ops.algorithm("Linear", "-initial")
 ops.integrator("AlphaOS", 0.95)
 ops.analysis("Transient")
-ops.analyze(steps, 0.01)
+step = float(sys.argv[4]) if len(sys.argv) > 4 else 0.01
+ops.analyze(steps, step)
 if fate == "kill":
     os.kill(os.getpid(), signal.SIGKILL)
 elif fate == "freeze":
@@ -32,4 +35,12 @@ elif fate == "fail":
     os._exit(3)
 elif fate == "vanish":
     os._exit(0)
+elif fate == "halve":
+    ops.algorithm("Newton", "-initial")
+    ops.test("NormDispIncr", 1e-14, 1, 0)
+    if ops.analyze(1, step) == 0:
+        sys.exit("the step did not fail")
+    ops.algorithm("Linear", "-initial")
+    ops.analyze(4, step / 4)
+    ops.analyze(steps, step)
 ops.wipe()

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/recording/foreign_stores.hpp>
 #include <rths/report/report.hpp>
 
 #include "report/src/companions.hpp"
@@ -75,7 +76,7 @@ TEST(EndOfRun, IsReachedWithAllTargetsOfOpenSees) {
 TEST(EndOfRun, IsReachedAfterAGroundAtRest) {
   const TinyRun run{
       {experiment("opensees", "ideal_machine"),
-       {{"opf", "monitor.opf", "step", rows_up_to(150)},
+       {{"opf", "monitor.opf", "step", [](double time) { return std::max(0.0, 100 * time - 50); }},
         {"opf", "opf.1", "time.target", [](double time) { return std::min(2.0, time); }}},
        kRowInterval,
        201}};
@@ -101,6 +102,25 @@ TEST(EndOfRun, IsInModelTimeAfterTheRest) {
 
   EXPECT_EQ(run.broken("end").found, "1.00 s, ending: interrupted");
   EXPECT_NEAR(analyse(run.folder()).duration, 1, 1e-9);
+}
+
+TEST(Owner, IsBrokenByAForeignStore) {
+  const TinyRun run{{experiment("numerical", "echo"),
+                     {{"xpc", "daq", "long.force.fbk", sine(1, 1)}},
+                     kRowInterval,
+                     201}};
+  EXPECT_EQ(run.broken("owner").found, "");
+
+  recording::add_meta(
+      run.folder() / kRunFile,
+      {{recording::kForeignStores,
+        recording::to_text({{"daq.long.force.fbk", "xpc", 0.25, "12345 N", 812, "opf (process 12)"},
+                            {"daq.atTarget", "xpc", 0.5, "1", 1, "opf (process 12)"}})}});
+
+  const Broken found = run.broken("owner");
+  EXPECT_EQ(found.text(),
+            "owner at 0.250 s: daq.long.force.fbk: found 12345 N by opf (process 12), seen 812 "
+            "times; and 1 more word, expected stores by its owner xpc alone");
 }
 
 TEST(LateHost, ExcusesFromOneControlPeriodOn) {

@@ -92,19 +92,18 @@ void Running::read_available() {
 
 Finished Running::wait(double deadline_s) {
   const auto begun = steady_clock::now();
-  const auto elapsed = [&] {
-    return std::chrono::duration<double>(steady_clock::now() - begun).count();
-  };
+  const double granted = host_time();
   int status = 0;
   while (waitpid(pid_, &status, WNOHANG) == 0) {
-    if (elapsed() > deadline_s) kill(pid_, SIGKILL);
+    if (host_time() - granted > deadline_s) kill(pid_, SIGKILL);
     std::array<pollfd, 2> streams{{{out_, POLLIN, 0}, {err_, POLLIN, 0}}};
     poll(streams.data(), streams.size(), 10);
     read_available();
   }
   pid_ = -1;
   read_available();
-  finished_.seconds = elapsed();
+  finished_.seconds = std::chrono::duration<double>(steady_clock::now() - begun).count();
+  finished_.host_seconds = host_time() - granted;
   finished_.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   finished_.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   return finished_;

@@ -12,7 +12,8 @@ struct Finished {
   int exit_code = -1;  ///< −1 if killed
   int signal = 0;
   std::string out, err;
-  double seconds = 0;
+  double seconds = 0;       ///< wall time
+  double host_seconds = 0;  ///< that the host has granted: see host_time.hpp
 };
 
 /// A child process; its destructor kills it if it still runs.
@@ -24,7 +25,7 @@ class Running {
   Running& operator=(const Running&) = delete;
 
   [[nodiscard]] int pid() const { return pid_; }
-  /// Waits for its exit; kills it after `deadline_s`.
+  /// Waits for its exit; kills it after `deadline_s`, of the time that the host grants.
   [[nodiscard]] Finished wait(double deadline_s = 60);
 
  private:

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/testkit/gtest.hpp>
 
+#include <unistd.h>
+
+#include <atomic>
 #include <csignal>
+#include <functional>
 #include <limits>
+#include <thread>
 
 #include <gtest/gtest-spi.h>
 
@@ -54,6 +59,57 @@ TEST_F(LaboratoryOfATest, CarriesTheMessagesOfALinkedProgramInBothDirections) {
     move(displacement);
     expect_within(5, "machine.force", 1e6 * displacement);
   }
+}
+
+/// The message of a check; empty if it passes.
+std::string failure_of(const std::function<void()>& check) { return test::error_of(check); }
+
+/// Stores into a word of the solver through a plain pointer, as a program of the cards.
+void steal(const std::string& name, std::uint32_t value) {
+  auto ring = broker::Ring::attach(name);
+  auto thief = ring.join_plain("");
+  const auto offset =
+      ring.map().entry(ring.map().signal("solver.displacement")).signal->offset.value();
+  std::atomic_ref{thief.plain_memory()[offset]}.store(value);
+  std::this_thread::sleep_for(
+      std::chrono::milliseconds{150});  // its name is known while it is there
+}
+
+TEST_F(LaboratoryOfATest, NamesAProcessThatStoresIntoTheWordOfAnother) {
+  auto& lab = with_spring();
+  steal(lab.name(), 0x40000000);
+
+  const std::string found = failure_of([&] { lab.check_programs(); });
+
+  EXPECT_TRUE(found.starts_with("solver.displacement: stored as ")) << found;
+  EXPECT_NE(found.find("by a client (process " + std::to_string(getpid()) + ") at "),
+            std::string::npos)
+      << found;
+  EXPECT_TRUE(found.ends_with("expected stores by its owner solver alone")) << found;
+  EXPECT_EQ(failure_of([&] { lab.never(0.01, "machine.force", above(1e9)); }), found);
+  EXPECT_EQ(failure_of([&] { lab.check_owners(); }), found);
+  lab.close();  // the end of this test would fail
+}
+
+TEST_F(LaboratoryOfATest, JudgesTheStoresOfTheLastMoment) {
+  auto& lab = with_spring();
+  EXPECT_EQ(failure_of([&] { lab.check_owners(); }), "");
+  auto ring = broker::Ring::attach(lab.name());
+  auto thief = ring.join_plain("");
+  const auto offset =
+      ring.map().entry(ring.map().signal("solver.displacement")).signal->offset.value();
+  std::atomic_ref{thief.plain_memory()[offset]}.store(0x40000000);
+
+  EXPECT_NE(failure_of([&] { lab.check_owners(); }), "");
+  lab.close();
+}
+
+TEST_F(LaboratoryOfATest, NamesALinkedProgramThatStoresIntoTheWordOfAnother) {
+  auto& lab = with_spring(true);
+  steal(lab.name() + ".machine", 0x40000000);
+
+  EXPECT_TRUE(failure_of([&] { lab.check_programs(); }).starts_with("solver.displacement: "));
+  lab.close();
 }
 
 /// The map of these tests without the words of one node.
@@ -269,6 +325,33 @@ TEST(Laboratory, KeepsEveryChangeInItsRecording) {
   const auto values = recorded.signal("solver.displacement");
   ASSERT_EQ(values.size(), 101U);
   for (int i = 0; i <= 100; ++i) EXPECT_NEAR(values[static_cast<std::size_t>(i)], 0.001 * i, 1e-6);
+}
+
+// A node of strangers that writes another node's word, where present.
+class StrangersPump : public LaboratoryTest {};
+
+TEST_F(StrangersPump, IsNamedWhenItWritesTheWordOfAnother) {
+  const auto data = test::source_tree() / "../shared/data/strangers/kit";
+  if (!std::filesystem::exists(data)) GTEST_SKIP() << "SKIPPED: there is no " << data;
+  const test::TemporaryFolder folder;
+  const auto library = test::build_tree() / "broker/scramnet";
+  const std::string pump = (folder.path() / "pump").string();
+  const auto compiled = test::Running{
+      {"/usr/bin/cc", (data / "pump.c").string(),
+       "-I" + (test::source_tree() / "broker/scramnet/include/scramnet").string(),
+       "-L" + library.string(), "-Wl,-rpath," + library.string(), "-lplus", "-o",
+       pump}}.wait();
+  ASSERT_EQ(compiled.exit_code, 0) << compiled.err;
+  auto& lab = laboratory((data / "pump.ringmap.toml").string(), 20);
+  lab.start({"pump", {pump, "owner"}});
+  const auto plc = lab.join("plc");
+  plc->write("plc.speed", 50.0);
+
+  const std::string found = failure_of([&] { lab.never(3, "plc.speed", above(1001)); });
+
+  EXPECT_TRUE(found.starts_with("plc.speed: stored as 999 rad/s by pump (process ")) << found;
+  EXPECT_TRUE(found.ends_with("expected stores by its owner plc alone")) << found;
+  lab.close();
 }
 
 }  // namespace

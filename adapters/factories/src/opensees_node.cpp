@@ -119,6 +119,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
     OpenSeesSettings complete = opensees;
     complete.layout = opf_layout(context.map);
     complete.simulation_step = test.simulation_step();
+    complete.integration_step = test.integration_step;
     complete.rest = test.rest;
     complete.wait_deadline = test.wait_deadline * test.rate;
     complete.stops_time = context.is_virtual;

@@ -12,6 +12,7 @@
 
 #include "opensees_connection.hpp"
 #include "opf_words.hpp"
+#include "script_step.hpp"
 #include "specimen.hpp"
 
 namespace rths::adapters {
@@ -43,6 +44,7 @@ class OpenSees final : public Adapter {
   void begin_test(const StepData& step);
   void take_trials(const StepData& step);
   void check_first_move(std::size_t element, const Specimen::Command& command);
+  void check_step(bool is_move);
   void answer_requests(const StepData& step);
   // Identifies the specimens with unknown properties, one after another, when OpenSees has
   // connected.
@@ -64,8 +66,10 @@ class OpenSees final : public Adapter {
   std::optional<OpenSeesConnection> opensees_;
   OpfHandshake handshake_;
   std::uint64_t moves_ = 0;
+  double time_ = 0;                  ///< of the last move, in the script [s]
   double computing_time_ = 0;        ///< of the current step [s]
   double busy_until_ = 0;            ///< a trial is taken from then on [s]
+  ScriptStep script_step_;
   std::vector<bool> has_left_rest_;  ///< of each element
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
   std::string message_;
@@ -76,7 +80,8 @@ OpenSees::OpenSees(OpenSeesSettings settings)
       words_{control_points(settings_.layout, settings_.trial_points, settings_.output_points),
              settings_.elements},
       new_target_at_{words_.commands().size()},
-      handshake_{settings_.wait_deadline, settings_.handshake} {
+      handshake_{settings_.wait_deadline, settings_.handshake},
+      script_step_{settings_.integration_step} {
   if (settings_.handshake == Handshake::TargetFirst && words_.is_relative_to_measured())
     throw Error{
         "-relCtrl and -relDaq need a measurement before the first target; with handshake = "
@@ -98,6 +103,7 @@ std::vector<Port> OpenSees::ports() const {
   ports.insert(ports.end(), commands.begin(), commands.end());
   add("opf.newTarget", Direction::Output, "1");
   add("step", Direction::Monitor, "1");
+  add("time", Direction::Monitor, "s");
   add("computing_time", Direction::Monitor, "s");
   for (const auto& element : settings_.elements)
     for (const auto& axis : element.axes)
@@ -144,6 +150,13 @@ void OpenSees::check_first_move(std::size_t element, const Specimen::Command& co
   has_left_rest_[element] = true;
 }
 
+// A static analysis has no velocities, and steps of its own.
+void OpenSees::check_step(bool is_move) {
+  const Trial& trial = opensees_->servers().front().trial();
+  script_step_.note(trial.time);
+  if (is_move && !trial.velocity.isZero(0)) script_step_.check();
+}
+
 void OpenSees::take_trials(const StepData& step) {
   auto& servers = opensees_->servers();
   const bool is_move = std::any_of(servers.begin(), servers.end(),
@@ -153,6 +166,7 @@ void OpenSees::take_trials(const StepData& step) {
     if (is_move && !has_moved_) words_.set_first_trial(i, command);
     if (is_move) check_first_move(i, command);
   }
+  check_step(is_move);
   for (std::size_t i = 0; i < servers.size(); ++i) {
     if (is_move) words_.write(i, specimens_[i].command(), servers[i].trial().time, step.outputs);
     servers[i].take_trial();
@@ -160,6 +174,7 @@ void OpenSees::take_trials(const StepData& step) {
   if (!is_move) return;
   has_moved_ = true;
   ++moves_;
+  time_ = servers.front().trial().time;
   handshake_.post(step.time);
 }
 
@@ -269,8 +284,9 @@ void OpenSees::identify_next(const StepData& step) {
 void OpenSees::write_monitors(const StepData& step) const {
   const auto monitors = step.outputs.subspan(new_target_at_ + 1);
   monitors[0] = static_cast<double>(moves_);
-  monitors[1] = computing_time_;
-  std::size_t at = 2;
+  monitors[1] = time_;
+  monitors[2] = computing_time_;
+  std::size_t at = 3;
   for (const auto& specimen : specimens_)
     for (const double stiffness : specimen.stiffness()) monitors[at++] = stiffness;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include <rths/launch/experiment.hpp>
 
@@ -42,6 +43,8 @@ struct RunOutcome {
   bool has_ring_faults = false;   ///< of the cards of a replicated ring
   double wall_time = 0;           ///< [s]
   std::int64_t rows_missing = 0;  ///< of the recording of a completed run
+  /// One line per word of this host that another process than its owner has stored.
+  std::vector<std::string> foreign_stores;
 };
 
 /// Runs an experiment to its end or to the first fault and brings everything to rest.

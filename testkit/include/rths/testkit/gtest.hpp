@@ -57,6 +57,7 @@ class LaboratoryTest : public ::testing::Test {
 
   void TearDown() override {
     if (folder_.empty()) return;
+    if (lab_ && !HasFailure()) reported(__FILE__, __LINE__, [&] { lab_->check_owners(); });
     if (lab_ && HasFailure()) {
       lab_->keep();
       std::printf("logs and recording: %s\n", folder_.c_str());

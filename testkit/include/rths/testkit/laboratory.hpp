@@ -78,8 +78,12 @@ class Laboratory {
   [[nodiscard]] bool has_ended(const std::string& program);
   /// Waits until a program has ended with exit code 0. @throws NotMet
   void expect_end(double seconds, const std::string& program);
-  /// @throws NotMet if a program failed that was not killed; Error if a link failed
+  /// @throws NotMet if a program failed that was not killed, or if a word was stored by another
+  ///         process than its owner; Error if a link failed
   void check_programs();
+  /// The last check of a test: also judges the stores of the last moment, for up to 0.2 s.
+  /// @throws NotMet if a word was stored by another process than its owner
+  void check_owners();
 
   /// Ends the programs, removes the ring. The logs stay.
   void close();

@@ -22,6 +22,7 @@ struct OpenSeesSettings {
   std::vector<std::string> trial_points, output_points;
   Handshake handshake = Handshake::AtTargetFirst;
   double simulation_step = 0.01;  ///< between targets [s]
+  double integration_step = 0;    ///< of the script, in model time; 0: not checked [s]
   double rest = 0;                ///< before the first target [s]
   double wait_deadline = 1;       ///< for each flag of the handshake [s]
   /// Also steps on each message and ring write, not only on schedule; costs some busy waiting.

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The solver's own time, move by move: each move of the machine advances it by one integration
+// step.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "conditions.hpp"
+
+namespace rths::report {
+
+/// A move of the machine, as recorded.
+struct SolverMove {
+  double at = 0;     ///< its first row, since the run began [s]
+  double count = 0;  ///< of all moves until then
+  double time = 0;   ///< of the solver [s]
+};
+
+/// The solver's time at each move.
+struct SolverTime {
+  std::string signal;             ///< of the time; empty: no solver has recorded its time
+  bool is_counted = false;        ///< solver or controller count the moves; else rows can miss some
+  std::vector<SolverMove> moves;  ///< up to the end of the test
+  std::size_t start = 0;  ///< the first move from rest; a static analysis may have moves before
+};
+[[nodiscard]] SolverTime solver_time_of(const recording::Reader& run);
+
+/// Model time that the test reached: of the last target, or else the targets times the step.
+/// @param experiment  of the recording   @param is_completed  the run ended in order
+[[nodiscard]] double reached_in(const recording::Reader& run, const Config& experiment,
+                                bool is_completed);
+
+/// Each move advances the solver's time by one integration step.
+/// @param step  in model time [s]
+[[nodiscard]] Break time_of(const SolverTime& solver, double step);
+
+/// Wall time over model time of the test; none without moves that advance the time.
+/// @param step  model time of a move, where the solver has recorded no time [s]
+[[nodiscard]] std::optional<double> achieved_rate(const SolverTime& solver, double step);
+
+}  // namespace rths::report
