@@ -37,6 +37,8 @@ NodeSettings read_external(const std::string& node, const Config& table, const T
   const NodeSettings solver = adapters::read_numerical(node, Config{}, setup);
   settings.make = solver.make;
   settings.schedule = solver.schedule;
+  settings.has_computing_time = settings.waits_for_flags = true;
+  settings.machine_table = adapters::MachineTable::Model;
   return settings;
 }
 

@@ -52,8 +52,10 @@ int check_experiment(const std::string& file) {
   const auto experiment = load_experiment(file);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   launch::check_assembly(experiment);
+  check_sizes(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
              experiment.nodes.size(), experiment.duration, experiment.motion_name);
+  if (!experiment.history) fmt::print("{}\n", launch::describe_motion(experiment));
   return kOk;
 }
 
@@ -220,8 +222,7 @@ int check(const CheckArguments& arguments) {
   const std::string head = read_file(file, kMostTextBytes);
   const std::string line = first_line(head);
   if (line.empty()) throw Error{file + ": is empty"};
-  if (head.find("NPTS") != std::string::npos && head.find("DT") != std::string::npos)
-    return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
+  if (sim::is_at2(file)) return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
   if (looks_like_toml(line) || (line[0] == '#' && head.find("\n[") != std::string::npos))
     return check_toml(file);
   return check_motion(file, sim::read_column(file, 1), "columns, first data column");

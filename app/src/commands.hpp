@@ -13,6 +13,9 @@
 namespace CLI {
 class App;
 }
+namespace rths::launch {
+struct Experiment;
+}
 
 namespace rths::app {
 
@@ -352,6 +355,10 @@ struct RingCommandArguments {
 };
 /// Adds `dump`, `who`, `watch`, `send`, `bridge`, `ring`, `fault`, `stop`, `doctor` and `clean`.
 void add_ring_commands(CLI::App& app, RingCommandArguments& arguments, Chosen& chosen);
+
+/// Prints what is unusual about an experiment, a line each on standard error.
+/// @throws Error if it is implausible
+void check_sizes(const launch::Experiment& experiment);
 
 /// Version of the program, for recordings.
 [[nodiscard]] std::string version();

@@ -92,6 +92,7 @@ int calibrate(const CommissioningArguments& a) {
 
 int pretest(const CommissioningArguments& a) {
   const auto experiment = load_experiment(a.files.at(0), split_changes(a.sets));
+  check_sizes(experiment);
   std::optional<TemporaryFolder> temporary;
   commissioning::PretestSettings settings;
   if (a.out.empty())

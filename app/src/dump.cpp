@@ -88,6 +88,12 @@ int dump_ring(const DumpArguments& arguments) {
 }
 
 int dump_recording(const DumpArguments& arguments) {
+  for (const auto& [is_given, option] :
+       {std::pair{arguments.once, "--once"}, std::pair{arguments.timeout_ms > 0, "--timeout"}})
+    if (is_given)
+      throw Error{
+          fmt::format("{}: found {} with a recording, which does not change, expected a ring",
+                      arguments.ring_or_recording, option)};
   const recording::Reader reader{arguments.ring_or_recording};
   struct Column {
     std::string name, unit;

@@ -159,27 +159,58 @@ void compress(const std::filesystem::path& file) {
   }
 }
 
+/// Companions of a run that failed, one line each. The run's own report does not need them.
+class Companions {
+ public:
+  template <class Make>
+  bool make(const char* what, const std::filesystem::path& file, Make make) {
+    try {
+      make();
+      compress(file);
+      return true;
+    } catch (const Error& error) {
+      trouble_ += fmt::format("rths: no {}: {}\n", what, error.what());
+      return false;
+    }
+  }
+  /// Prints the failures. @returns whether there are none
+  [[nodiscard]] bool are_complete() const {
+    write_message(trouble_);
+    return trouble_.empty();
+  }
+
+ private:
+  std::string trouble_;
+};
+
 // Computes the companions of a completed run, its diagnosis and its report.
 int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
              const std::filesystem::path& folder, std::vector<report::Broken> broken) {
   const bool has_held_out = experiment.held_out.has_value() && !has_adapter(experiment, "external");
   const bool diagnoses = has_held_out && arguments.diagnoses;
   std::optional<Steps> steps{std::in_place, 3 + (has_held_out ? 1 : 0) + (diagnoses ? 1 : 0)};
+  Companions companions;
   steps->begin("the test without compensation");
-  launch::run_uncompensated(experiment, folder / report::kRunFile,
-                            folder / report::kUncompensatedFile, version());
-  compress(folder / report::kUncompensatedFile);
+  const auto uncompensated = folder / report::kUncompensatedFile;
+  companions.make("test without compensation", uncompensated, [&] {
+    launch::run_uncompensated(experiment, folder / report::kRunFile, uncompensated, version());
+  });
   steps->begin("the numerical result");
-  run_numerical(experiment, folder / report::kNumericalFile);
-  compress(folder / report::kNumericalFile);
+  const auto numerical = folder / report::kNumericalFile;
+  companions.make("numerical result", numerical,
+                  [&] { run_numerical(experiment, numerical); });
   stop_if_interrupted();
+  bool is_proved = has_held_out;
   if (has_held_out) {
     steps->begin("the test under the second earthquake");
-    launch::run_held_out(experiment, folder / diagnosis::kHeldOutFile, version());
-    compress(folder / diagnosis::kHeldOutFile);
+    const auto held_out = folder / diagnosis::kHeldOutFile;
+    is_proved = companions.make("test under the second earthquake", held_out,
+                                [&] { launch::run_held_out(experiment, held_out, version()); });
   }
   Diagnosed diagnosed;
-  if (diagnoses) {
+  if (diagnoses && !is_proved) {
+    diagnosed.trouble = "it needs the test under the second earthquake";
+  } else if (diagnoses) {
     steps->begin("the diagnosis");
     diagnosed = diagnose(arguments, folder, broken);
     compress(folder / report::kImprovedFile);
@@ -191,7 +222,8 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   fmt::print("{}", diagnosed.text);
   if (!diagnosed.trouble.empty())
     write_message(fmt::format("rths: no diagnosis: {}\n", diagnosed.trouble));
-  return print(written);
+  const int conclusive = print(written);
+  return companions.are_complete() ? conclusive : int{kConditionNotMet};
 }
 
 launch::RunOptions options_for(const RunArguments& arguments, const std::string& name,
@@ -308,6 +340,7 @@ int run(const RunArguments& given) {
   const launch::Experiment experiment = load_experiment(arguments.experiment, arguments.changes);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
+  check_sizes(experiment);
   if (const auto machine = experiment.unguarded_machine())
     write_message(fmt::format(
         "rths: node {} has no safety layer: rths does not guard its commands\n", *machine));
@@ -357,6 +390,12 @@ int report(const std::string& folder, const std::string& beside) {
     throw Error{folder + ": is no folder, expected that of a run"};
   const FolderLock lock{folder};
   return print(report::make_report(folder, report::judge_run(folder), beside));
+}
+
+void check_sizes(const launch::Experiment& experiment) {
+  for (const auto& remarks : {experiment.remarks, launch::check_plausible(experiment)})
+    for (const auto& remark : remarks)
+      write_message(fmt::format("rths: {}: {}\n", experiment.file.string(), remark));
 }
 
 std::string version() { return RTHS_VERSION; }

@@ -134,17 +134,6 @@ void add_floors(ResultMap& result, const std::string& prefix, const sim::Respons
   }
 }
 
-sim::GroundMotion along_tested_axes(const Experiment& experiment) {
-  sim::GroundMotion motion = experiment.motion;
-  const auto tested = [&](const char* axis) {
-    return std::find(experiment.axes.begin(), experiment.axes.end(), axis) != experiment.axes.end();
-  };
-  if (!tested("long"))
-    std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
-  if (!tested("lat")) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
-  return motion;
-}
-
 void run_companion(const Experiment& experiment, const std::filesystem::path& recording,
                    const std::string& version) {
   RunOptions options;
@@ -162,7 +151,7 @@ void run_companion(const Experiment& experiment, const std::filesystem::path& re
 // The project's own structure, isolated and on a fixed base.
 void write_analysis(const Experiment& experiment, const std::filesystem::path& recording) {
   const sim::PlantMatrices plant = sim::assemble(experiment.plant);
-  const sim::GroundMotion motion = along_tested_axes(experiment);
+  const sim::GroundMotion motion = experiment.tested_motion();
   const auto isolated =
       sim::numerical_response(plant, motion, experiment.model, kReferenceStep, experiment.duration);
   const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.model,

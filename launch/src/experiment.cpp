@@ -17,6 +17,8 @@
 #include <rths/core/toml_list.hpp>
 
 #include "assumed_model.hpp"
+#include "motion_check.hpp"
+#include "unused_keys.hpp"
 
 namespace rths::launch {
 namespace {
@@ -108,16 +110,30 @@ void read_steps(const Config& file, Experiment& experiment) {
   experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
 }
 
+// Its friction may be small, and is fitted.
+Config usual_machine() {
+  Config usual;
+  const auto axes = sim::srmd_machine().axes;
+  for (const auto& [key, member] : adapters::machine_keys())
+    usual.put(key, std::vector<double>{axes[0].*member, axes[1].*member});
+  return usual;
+}
+
 // Reads the bearing with the changes of the experiment, the machine, and the assumed model of both.
 void read_laboratory(const Config& file, Experiment& experiment) {
   const Config changes = file.table_or_empty("specimen");
   const auto path = find_file(changes, "model", "bearings", kDefaultSpecimen);
-  const Config specimen = Config::load(path).overlaid(changes);
+  const Config bearing = Config::load(path);
+  const Config specimen = bearing.overlaid(changes);
+  check_units(changes, bearing);
+  const Config assumed_changes = file.table_or_empty("model").table_or_empty("specimen");
+  if (!assumed_changes.has("model")) check_units(assumed_changes, specimen);
   static_cast<void>(specimen.text("model", ""));
   const double weight = sim::weight_per_bearing(experiment.plant);
   experiment.specimen = sim::read_bearing(specimen, weight);
   experiment.config.emplace_back(path.filename().string(), read_file(path, kMostTextBytes));
   const Config machine = file.table_or_empty("machine");
+  check_units(machine, usual_machine());
   experiment.machine = adapters::read_machine(machine);
   const auto assumed = read_assumed_model(file.table_or_empty("model"), specimen, machine, weight);
   experiment.model = assumed.bearing;
@@ -142,6 +158,10 @@ void read_solver(const Config& table, Experiment& experiment) {
   table.reject_unknown_keys();
 }
 
+void add_remarks(const std::vector<std::string>& remarks, Experiment& experiment) {
+  experiment.remarks.insert(experiment.remarks.end(), remarks.begin(), remarks.end());
+}
+
 // A test with commanded displacements needs no ground motion.
 void read_ground_motion(const Config& file, Experiment& experiment) {
   const bool is_response = file.table_or_empty("targets").text("kind", "") == "response";
@@ -152,7 +172,8 @@ void read_ground_motion(const Config& file, Experiment& experiment) {
   }
   const Config motion = file.table("motion");
   experiment.motion_name = motion.text("name", motion.text("file", ""));
-  experiment.motion = adapters::read_motion(motion);
+  experiment.motion = adapters::read_motion(motion, experiment.axes);
+  add_remarks(check_motion(motion, experiment.motion), experiment);
 }
 
 void read_stop(const Config& table, Experiment& experiment) {
@@ -348,6 +369,23 @@ bool Experiment::solves_plant() const {
   return integrates_plant() || (has_plant && repeatable_solver() == nullptr);
 }
 
+sim::GroundMotion Experiment::tested_motion() const {
+  sim::GroundMotion tested = motion;
+  if (!contains(axes, "long"))
+    std::fill(tested.long_acceleration.begin(), tested.long_acceleration.end(), 0);
+  if (!contains(axes, "lat"))
+    std::fill(tested.lat_acceleration.begin(), tested.lat_acceleration.end(), 0);
+  return tested;
+}
+
+std::optional<double> Experiment::latest_end() const {
+  constexpr double kMargin = 1;  // [s]
+  const bool may_not_end = std::any_of(
+      nodes.begin(), nodes.end(), [](const NodePlan& plan) { return plan.settings.may_not_end; });
+  if (!may_not_end) return std::nullopt;
+  return rest + 2 * duration * rate + kMargin;
+}
+
 bool Experiment::has_user_program() const {
   return std::any_of(nodes.begin(), nodes.end(),
                      [](const NodePlan& plan) { return plan.settings.program.has_value(); });
@@ -403,8 +441,10 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_steps(file, experiment);
   read_ground_motion(file, experiment);
   // As with `uncompensated`, an empty table is none.
-  if (const Config held_out = file.table_or_empty("held_out"); !held_out.keys().empty())
-    experiment.held_out = adapters::read_motion(held_out);
+  if (const Config held_out = file.table_or_empty("held_out"); !held_out.keys().empty()) {
+    experiment.held_out = adapters::read_motion(held_out, experiment.axes);
+    add_remarks(check_motion(held_out, *experiment.held_out), experiment);
+  }
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
   read_laboratory(file, experiment);
   if (file.has("targets"))
@@ -427,6 +467,7 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_roles(file, experiment);
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
+  check_uses(file, experiment);
   spread_seed(experiment);
   settle_missed_steps(experiment);
   std::string changes;

@@ -80,6 +80,14 @@ void add_faults(const std::vector<std::string>& events, RunResult& result) {
     result.trouble += " (faults: " + result.faults + ")";
 }
 
+std::string late_end(const Experiment& experiment, double now) {
+  std::string solver;
+  for (const auto& plan : experiment.nodes)
+    if (plan.settings.may_not_end) solver = plan.node;
+  return fmt::format("{}: did not end the test until {:.3f} s, expected its end at {:g} s", solver,
+                     now, experiment.rest + experiment.duration * experiment.rate);
+}
+
 Duration longest_stop(const Experiment& experiment) {
   constexpr double kMarginForPeers = 1.0;  // [s]
   return from_seconds(experiment.longest_stop + kMarginForPeers);

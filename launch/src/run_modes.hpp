@@ -21,6 +21,9 @@ namespace rths::launch {
 /// recorder and for peers that stop later.
 [[nodiscard]] Duration longest_stop(const Experiment& experiment);
 
+/// Why a run is ended whose solver does not end it.
+[[nodiscard]] std::string late_end(const Experiment& experiment, double now);
+
 /// Removes the name of the ring at the end of a run, and the file of a recorder that died while it
 /// created the file.
 struct RunCleaning {

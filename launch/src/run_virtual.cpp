@@ -86,6 +86,7 @@ class VirtualRun {
       if (images_ != nullptr) images_->advance(runner->start);
       look_for_peers(*runner);
       look_for_interrupt(*runner);
+      look_for_end(*runner);
       if (!status) return trouble_;
       if (*status == Status::Done || *status == Status::Fault) end(*runner, *status);
       if (stopping_since_ && runner->due > *stopping_since_ + longest_stop(experiment_))
@@ -201,6 +202,14 @@ class VirtualRun {
     stopping_since_ = runner.due;
     trouble_ = "interrupted";
     was_interrupted_ = true;
+  }
+
+  // A solver of the user's own may never end the test.
+  void look_for_end(const Runner& runner) {
+    const auto latest = experiment_.latest_end();
+    if (stopping_since_ || !latest || runner.due <= from_seconds(*latest)) return;
+    stopping_since_ = runner.due;
+    trouble_ = late_end(experiment_, to_seconds(runner.due));
   }
 
   void end(Runner& runner, Status status) {

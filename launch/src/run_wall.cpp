@@ -99,6 +99,7 @@ class WallRun {
     while (!all_ended()) {
       attend_to_nodes();
       if (!stopping_ && is_over(epoch)) stop("");
+      if (!stopping_) look_for_end(epoch);
       if (!stopping_ && InterruptGuard::is_stop_requested()) {
         result_.stopped_early = experiment_.has_own_solver() || clock_.now() < end_of_test(epoch);
         stop("");
@@ -127,6 +128,14 @@ class WallRun {
   [[nodiscard]] bool is_over(TimePoint epoch) const {
     if (experiment_.has_own_solver()) return false;
     return clock_.now() > end_of_test(epoch) + from_seconds(kFarewellMargin);
+  }
+  // A solver of the user's own may never end the test.
+  void look_for_end(TimePoint epoch) {
+    const auto latest = experiment_.latest_end();
+    const double now = to_seconds(clock_.now() - epoch);
+    if (!latest || now <= *latest) return;
+    result_.trouble = late_end(experiment_, now);
+    stop(result_.trouble);
   }
   [[nodiscard]] TimePoint end_of_test(TimePoint epoch) const {
     return epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate);

@@ -13,6 +13,7 @@ namespace {
 
 constexpr hsize_t kRowsPerBatch = 100;  // 0.1 s at 1 kHz: the largest loss after a crash
 constexpr hsize_t kRowsPerChunk = 1024;
+constexpr double kRounding = 1e-6;  // of steps per row
 constexpr const char* kStepSuffix = ".host.step";
 
 // A table that grows by rows.
@@ -108,7 +109,7 @@ struct Writer::File {
   };
   struct StepCounter {
     std::size_t column;
-    double per_row;  ///< steps of the node per row
+    double per_row;  ///< most steps of the node in a row's period
     std::int64_t drops = 0;
     double last = 0;
   };
@@ -197,7 +198,8 @@ void Writer::File::create_drops(const memmap::Map& map, const std::vector<Signal
     const std::string& node = map.entry(signals[i]).partition->node;
     const auto per_row = steps_per_row.find(node);
     if (!name.ends_with(kStepSuffix) || per_row == steps_per_row.end()) continue;
-    counters.push_back({i, per_row->second});
+    // A node that is slower than the rows, or no multiple of them, makes whole steps.
+    counters.push_back({i, std::ceil(per_row->second - kRounding)});
     names.push_back(node);
   }
   drops = create_numbers(file.id(), "drops", counters.size());

@@ -137,8 +137,9 @@ struct SafetyChange {
 struct Analysis {
   std::string name, motion, clock, map;
   std::map<std::string, std::string> meta;
-  double duration = 0;             ///< model time [s]
-  double planned_duration = 0;     ///< model time [s]
+  double duration = 0;                          ///< model time [s]
+  double planned_duration = 0;                  ///< model time [s]
+  std::map<std::string, double> stated_bounds;  ///< of [conclusive]
   std::string ending;              ///< why the run ended early; empty: it was completed
   std::string command;             ///< repeats the run
   bool synthetic = false;          ///< specimen and machine are models

@@ -31,6 +31,8 @@ using Break = std::optional<Broken>;
 [[nodiscard]] Break tracking_of(const AxisEvidence& axis, const Evidence& all,
                                 const Bounds& bounds);
 [[nodiscard]] Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds);
+/// The reference of the load within the capacity of the machine.
+[[nodiscard]] Break load_limit_of(const Evidence& all);
 [[nodiscard]] Break load_of(const Evidence& all, const Bounds& bounds);
 
 /// A word that another node repeats.

@@ -227,6 +227,8 @@ void describe(Analysis& analysis, const recording::Reader& run) {
       "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
   analysis.rest = file.number("rest_s", 0);
   analysis.motion = motion_name(file);
+  const Config bounds = file.table_or_empty("conclusive");
+  for (const auto& key : bounds.keys()) analysis.stated_bounds[key] = bounds.number(key);
   const MachineNode machine = machine_in(file, recording::roles_of(run));
   analysis.synthetic = contains(models_of_machines(), machine.adapter);
   analysis.scope = scope_of(file, machine);

@@ -252,6 +252,7 @@ void judge_axes(Judgement& judgement, const Evidence& evidence, const Bounds& bo
       judgement.add(noise_of(feedback, evidence, bounds));
     }
   }
+  judgement.add(load_limit_of(evidence));
   judgement.add(load_of(evidence, bounds));
   // The expected force follows from the measured motion of both axes.
   const double until = judgement.time_of_valid_motion();

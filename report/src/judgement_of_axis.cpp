@@ -178,6 +178,18 @@ Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
   return {};
 }
 
+Break load_limit_of(const Evidence& all) {
+  const auto& load = all.load_reference.values;
+  const auto most = std::max_element(load.begin(), load.end());
+  if (most == load.end() || *most <= sim::kVerticalCapacity) return {};
+  const auto first = std::find_if(load.begin(), load.end(),
+                                  [](double value) { return value > sim::kVerticalCapacity; });
+  return Broken{
+      "limit", all.time[static_cast<std::size_t>(first - load.begin())], all.load_reference.name,
+      fmt::format("up to {:.4g} MN, which the machine clamps", *most * 1e-6),
+      fmt::format("at most {:g} MN, its vertical capacity", sim::kVerticalCapacity * 1e-6)};
+}
+
 Break load_of(const Evidence& all, const Bounds& bounds) {
   if (!all.load.is_recorded() || !all.load_reference.is_recorded()) return {};
   for (const auto& window : windows(all, kSecond)) {

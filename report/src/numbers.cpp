@@ -337,6 +337,7 @@ Json numbers_of(const Analysis& analysis) {
   json["host_late_max_ms"] = rounded(largest(analysis.host_late.values) * kMilli, 3);
   json["steps_excused"] = steps.excused_count;
   json["conclusive"] = is_conclusive(analysis);
+  json["stated_bounds"] = Json(analysis.stated_bounds);
   json["broken"] = broken_numbers(analysis.broken);
   json["left_out"] = left_out_numbers(analysis.left_out);
   json["predict_ms_mean"] = mean_ms(steps.predict);

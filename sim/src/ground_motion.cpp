@@ -7,6 +7,7 @@
 #include <cmath>
 #include <sstream>
 #include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -59,6 +60,12 @@ bool is_heading(const std::string& line) {
          std::isalpha(static_cast<unsigned char>(*first));
 }
 
+std::string in_capitals(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text;
+}
+
 // "NPTS=   4000, DT=   .0050 SEC": the number after a keyword, with any spacing.
 double number_after(const std::string& line, const std::string& keyword,
                     const std::filesystem::path& file, std::size_t line_number) {
@@ -71,6 +78,19 @@ double number_after(const std::string& line, const std::string& keyword,
   return parse_numbers(line.substr(digits, end - digits), file, line_number).front();
 }
 
+// "NPTS , DT = 4000 , .0050" has both numbers after one sign.
+void read_at2_header(const std::string& line, const std::filesystem::path& file, std::size_t number,
+                     std::size_t& count, double& time_step) {
+  std::string step = line;
+  const auto sign = line.find('=');
+  if (sign != std::string::npos && sign == line.rfind('=') && line.find("DT") < sign) {
+    const auto comma = line.find(',', sign);
+    if (comma != std::string::npos) step = "DT " + line.substr(comma + 1);
+  }
+  count = static_cast<std::size_t>(number_after(line, "NPTS", file, number));
+  time_step = number_after(step, "DT", file, number);
+}
+
 void check_spacing(const std::vector<double>& times, const std::vector<std::size_t>& lines,
                    const std::filesystem::path& file) {
   if (times.size() < 2) throw Error{file.string() + ": fewer than two samples"};
@@ -80,6 +100,17 @@ void check_spacing(const std::vector<double>& times, const std::vector<std::size
     if (std::abs(times[i] - times.front() - static_cast<double>(i) * step) >
         std::max(kTimeTolerance * step, 6e-4))
       fail(file, lines[i], "time is not equally spaced");
+}
+
+// The heading of a column; empty if it has none.
+std::string field_of(const std::string& headings, int column) {
+  std::size_t begin = 0;
+  for (int i = 0; i < column; ++i) {
+    begin = headings.find_first_of(",;\t", begin);
+    if (begin == std::string::npos) return "";
+    ++begin;
+  }
+  return headings.substr(begin, headings.find_first_of(",;\t\r", begin) - begin);
 }
 
 double between(const std::vector<double>& values, double position) noexcept {
@@ -100,6 +131,16 @@ double GroundMotion::vertical_at(double time) const noexcept {
   return vert_acceleration.empty() ? 0 : between(vert_acceleration, time / time_step);
 }
 
+bool is_at2(const std::filesystem::path& file) {
+  if (in_capitals(file.extension().string()) == ".AT2") return true;
+  std::istringstream stream = open(file);
+  std::string line;
+  for (int i = 0; i < kAt2HeaderLines; ++i)
+    if (!std::getline(stream, line)) return false;
+  line = in_capitals(line);
+  return line.find("NPTS") != std::string::npos && line.find("DT") != std::string::npos;
+}
+
 RecordComponent read_at2(const std::filesystem::path& file) {
   std::istringstream stream = open(file);
   RecordComponent record;
@@ -108,10 +149,15 @@ RecordComponent read_at2(const std::filesystem::path& file) {
   std::size_t line_number = 0;
   while (std::getline(stream, line)) {
     ++line_number;
-    if (line_number < kAt2HeaderLines) continue;
+    constexpr std::string_view kUnit = "UNITS OF";
+    if (line_number < kAt2HeaderLines) {
+      const std::string capitals = in_capitals(line);
+      if (const auto unit = capitals.find(kUnit); unit != std::string::npos)
+        record.heading = line.substr(unit + kUnit.size());
+      continue;
+    }
     if (line_number == kAt2HeaderLines) {
-      expected = static_cast<std::size_t>(number_after(line, "NPTS", file, line_number));
-      record.time_step = number_after(line, "DT", file, line_number);
+      read_at2_header(in_capitals(line), file, line_number, expected, record.time_step);
       if (!(record.time_step > 0))
         fail(file, line_number,
              fmt::format("DT is {:g} s, expected a positive time", record.time_step));
@@ -134,7 +180,10 @@ RecordComponent read_column(const std::filesystem::path& file, int column) {
   std::vector<std::size_t> lines;
   std::string line;
   for (std::size_t line_number = 1; std::getline(stream, line); ++line_number) {
-    if (is_heading(line)) continue;
+    if (is_heading(line)) {
+      if (times.empty()) record.heading = field_of(line, column);
+      continue;
+    }
     const auto numbers = parse_numbers(line, file, line_number);
     if (static_cast<int>(numbers.size()) <= column)
       fail(file, line_number,

@@ -47,6 +47,23 @@ TEST(Srmd, AnswersItsVerticalAndUserWords) {
   EXPECT_GT(bench.out("srmd.lift.pressure.fbk"), 0);
 }
 
+TEST(Srmd, ClampsItsLoadToTheVerticalCapacity) {
+  const auto machine = make_srmd(srmd_settings());
+  test::Bench bench{*machine};
+  bench.in("xpc.compression.force.ref") = 112e6;
+  Status status = Status::Ok;
+  for (int i = 0; i < 2000; ++i) status = bench.step(0.001 * i);
+
+  EXPECT_EQ(status, Status::LimitExceeded);
+  EXPECT_NEAR(bench.out("srmd.compression.force.fbk"), 53.4e6, 1e3);
+  EXPECT_EQ(bench.out("srmd.compression.force.ref_echo"), 112e6);
+
+  SrmdSettings heavy = srmd_settings();
+  heavy.machine.specimen.axial_load = 60e6;
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(make_srmd(heavy)); }),
+            "srmd: the specimen carries 60 MN, expected at most 53.4 MN");
+}
+
 TEST(Srmd, KeepsAnAxisAtRestThatIsNotTested) {
   SrmdSettings s = srmd_settings();
   s.axes = {"long"};

@@ -222,6 +222,7 @@ INSTANTIATE_TEST_SUITE_P(
         Broken{"fails_step", 3, "fmi3DoStep returned fmi3Error: the pump is off"},
         Broken{"fails_step", 2, "fmi2DoStep returned fmi2Error: the pump is off"},
         Broken{"is_fatal", 0, "Fatal"}, Broken{"writes_nan", 0, "its step wrote nan to '"},
+        Broken{"gives_nothing", 0, "its step wrote nan to '"},
         Broken{"crashes", 0, "its step crashed: Segmentation fault"},
         Broken{"loops", 0, "its step did not return within 0.2 s"},
         Broken{"leaves_range", 0, "its step wrote 2 to 'fbk.y', which it states as -1 to 1"},

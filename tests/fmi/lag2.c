@@ -119,6 +119,9 @@ fmi2Status fmi2GetBooleanStatus(fmi2Component c, fmi2StatusKind kind, fmi2Boolea
 fmi2Status fmi2GetReal(fmi2Component c, const fmi2ValueReference refs[], size_t n,
                        fmi2Real values[]) {
   Lag* lag = c;
+#ifdef GIVES_NOTHING
+  return fmi2OK;
+#endif
   for (size_t i = 0; i < n; ++i) {
     if (refs[i] == Y || refs[i] == ANGLE)
       values[i] = lag->y;

@@ -119,6 +119,9 @@ fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference refs[], size_
                           fmi3Float64 values[], size_t count) {
   Lag* lag = c;
   if (n != count) return fmi3Error;
+#ifdef GIVES_NOTHING
+  return fmi3OK;
+#endif
   for (size_t i = 0; i < n; ++i) {
     if (refs[i] == Y || refs[i] == ANGLE)
       values[i] = lag->y;

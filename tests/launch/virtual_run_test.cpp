@@ -14,6 +14,7 @@
 
 #include "support/diagrams.hpp"
 #include "support/files.hpp"
+#include "support/json.hpp"
 #include "support/long_run.hpp"
 #include "support/process.hpp"
 #include "support/waiting.hpp"
@@ -191,6 +192,25 @@ TEST(VirtualRun, SlowsDownWhereTheSolverOverruns) {
   EXPECT_GT(numbers["slow_downs"], 60);
   EXPECT_LT(numbers["slow_downs"], 150);
   EXPECT_LE(std::abs(numbers["axes"]["long"]["delay_compensated_ms"].get<double>()), 10);
+}
+
+// The report of the test is complete without its companions.
+TEST(VirtualRun, HasItsReportIfTheSecondEarthquakeFails) {
+  const test::TemporaryFolder folder;
+  const test::Finished run = test::run_rths(
+      {"run", example(), "--clock", "virtual", "--out", folder.path().string(), "--set",
+       "duration_s=8", "--set", "uncompensated={}", "--set", "held_out.scale=5.9"},
+      120);
+  EXPECT_EQ(run.exit_code, 1) << run.err;
+  EXPECT_NE(run.err.find("rths: no test under the second earthquake: "), std::string::npos)
+      << run.err;
+  EXPECT_NE(run.err.find("rths: no diagnosis: "), std::string::npos) << run.err;
+  EXPECT_EQ(test::json_of(folder.path() / "report.json")["conclusive"], true);
+
+  const auto recording = (folder.path() / "run.h5").string();
+  const test::Finished dump = test::run_rths({"dump", recording, "--once", "opf.newTarget"});
+  EXPECT_EQ(dump.exit_code, 2);
+  EXPECT_NE(dump.err.find("found --once with a recording"), std::string::npos) << dump.err;
 }
 
 class Rate : public ::testing::TestWithParam<int> {};

@@ -157,6 +157,9 @@ static rths_status step(void* self, double time_s, const double* in, double* out
 #else
   double* position = &lag->position;
 #endif
+#ifdef STEP_SETS_NOTHING
+  return RTHS_OK;
+#endif
   *position += in[GAIN] * 0.1 * (in[REFERENCE] - *position);
   out[POSITION] = *position;
   out[OTHER] = 0;

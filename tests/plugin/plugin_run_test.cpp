@@ -97,6 +97,8 @@ TEST(PluginRun, EndsSafelyInVirtualTimeWhenAPluginIsBroken) {
     expect("step_allocates_later", "its step used the heap 2 times");
   expect("step_leaves_its_range", "its step wrote 1.5 to 'srmd.long.displ.fbk'");
   expect("step_crashes", "its step crashed: Segmentation fault at 0.100 s", "own_process = true\n");
+  expect("step_sets_nothing",
+         "its steps set none of its 2 outputs, such as 'srmd.long.displ.fbk', for 2 s at 2.000 s");
 }
 
 TEST(PluginRun, EndsSafelyInRealTimeWhenAPluginLoopsForEver) {

@@ -86,6 +86,22 @@ TEST(Recording, CountsTheStepsWithoutARow) {
   EXPECT_EQ(drops[0].second, 4);  // steps 4, 5 and 8, 9 of the node, counted from 1
 }
 
+// A row holds at most one step of a slow node, and one or two of a node that is slightly faster.
+TEST(Recording, CountsNoStepWithoutARowOfNodesSlowerOrSlightlyFasterThanTheRows) {
+  const test::TemporaryFolder folder;
+  for (const double period_ms : {0.7, 1.5, 2.0, 3.0, 7.0, 100.0}) {
+    const auto file = folder.path() / "run.h5";
+    Writer writer = open_writer(file, 1 / period_ms);
+    for (int i = 0; i < 2000; ++i) {
+      auto values = row(i);
+      values[2] = 1 + std::floor((i + 0.5) / period_ms);
+      writer.append(time_of(i), values);
+    }
+    writer.close();
+    EXPECT_EQ(Reader{file}.drops()[0].second, 0) << period_ms;
+  }
+}
+
 TEST(Recording, CanBeReadWhileItGrows) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";

@@ -55,13 +55,14 @@ inline std::vector<SignalId> all_signals(const memmap::Map& map) {
   return ids;
 }
 
-inline Writer open_writer(const std::filesystem::path& file) {
+inline Writer open_writer(const std::filesystem::path& file, double steps_per_row = 1) {
   const memmap::Map map = sample_map();
-  return {
-      file,
-      map,
-      all_signals(map),
-      {{{"lab.toml", "name = \"lab\"\n"}, {"empty", ""}}, {{"host", "here"}}, {{"machine", 1.0}}}};
+  return {file,
+          map,
+          all_signals(map),
+          {{{"lab.toml", "name = \"lab\"\n"}, {"empty", ""}},
+           {{"host", "here"}},
+           {{"machine", steps_per_row}}}};
 }
 
 /// Row number `i`. Its values follow from `i`, so that a reader can check them.

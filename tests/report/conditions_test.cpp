@@ -214,6 +214,20 @@ TEST(Tracking, StatesAnErrorWithoutACommandInMillimetres) {
   EXPECT_EQ(found->expected, "at most 1 mm");
 }
 
+// Whatever the machine then does: no bound of [conclusive] permits it.
+TEST(Limit, NamesALoadReferenceBeyondTheVerticalCapacity) {
+  Evidence evidence = evidence_of(100);
+  evidence.load_reference = {"xpc.compression.force.ref", std::vector<double>(100, 53.4e6)};
+  EXPECT_FALSE(load_limit_of(evidence));
+
+  evidence.load_reference.values[40] = 112e6;
+  const Break found = load_limit_of(evidence);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->text(),
+            "limit at 0.040 s: xpc.compression.force.ref: found up to 112 MN, which the machine "
+            "clamps, expected at most 53.4 MN, its vertical capacity");
+}
+
 TEST(Jump, NeedsADepartureBeyondABoundOfZero) {
   const Evidence evidence = evidence_of(100);
   const RecordedSignal still{"srmd.long.force.fbk", std::vector<double>(100, 7.0)};

@@ -108,6 +108,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   settings.schedule =
       schedule_of(opensees.is_prompt ? kPeriod : kPollingPeriod, 0.1 * kPeriod, MissedSteps::Skip);
   settings.priority = kPriority;
+  settings.has_computing_time = settings.waits_for_flags = true;
   // The time of OpenSees restarts after static analyses and does not advance during iterations.
   settings.target_count = "step";
   settings.motion_fault = motion_fault(opensees.script.command, node);

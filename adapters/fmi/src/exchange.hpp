@@ -79,6 +79,14 @@ bool take(Exchange& exchange, std::span<const double> numbers, bool is_truth) RT
   return fits;
 }
 
+/// Before the FMU gives its values: a real one that it does not give is not a number.   @realtime
+template <class T>
+void forget(Exchange& exchange) RTHS_REALTIME {
+  if constexpr (std::is_floating_point_v<T>)
+    for (std::size_t i = 0; i < exchange.size(); ++i)
+      exchange.values<T>()[i] = std::numeric_limits<T>::quiet_NaN();
+}
+
 /// Writes the values of an exchange as numbers in SI.   @realtime
 template <class T>
 void give(Exchange& exchange, double* numbers, bool is_truth) RTHS_REALTIME {

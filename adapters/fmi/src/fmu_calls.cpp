@@ -138,6 +138,7 @@ int Calls2::set(Exchange& exchange, std::span<const double> in, bool& fits) cons
 int Calls2::get(Exchange& exchange, double* out) const noexcept {
   const auto* references = exchange.references.data();
   if (exchange.type == Type::Float64) {
+    forget<fmi2Real>(exchange);
     const int answer = get_real_(self_, references, exchange.size(), exchange.values<fmi2Real>());
     give<fmi2Real>(exchange, out, false);
     return answer;
@@ -204,6 +205,7 @@ int Calls3::get(Exchange& exchange, double* out) const noexcept {
         fmi3Status(fmi3Instance, const fmi3ValueReference*, std::size_t, Value*, std::size_t);
     const auto getter =
         reinterpret_cast<Getter*>(getters_[static_cast<std::size_t>(exchange.type)]);
+    forget<Value>(exchange);
     const int answer = getter(self_, exchange.references.data(), exchange.size(),
                               exchange.values<Value>(), exchange.size());
     give<Value>(exchange, out, std::is_same_v<Value, bool>);

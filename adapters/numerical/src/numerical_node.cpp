@@ -48,6 +48,7 @@ NodeSettings read_numerical(const std::string& /*node*/, const Config& table,
   settings.schedule = schedule_of(kPeriod, kPhase, MissedSteps::Skip);
   settings.priority = 40;
   settings.integrates_plant = true;
+  settings.has_computing_time = settings.waits_for_flags = true;
   settings.make = [handshake = read_handshake(table), vertical = read_vertical_feedback(table)](
                       const TestSetup& setup, const NodeContext& context) {
     return make_numerical_node(setup, context, handshake, vertical);

@@ -48,6 +48,7 @@ struct Stated {
   std::string name;
   double lowest, highest;
   bool is_ramped;
+  bool is_monitor;
 };
 
 class PluginAdapter final : public adapters::Adapter {
@@ -69,6 +70,8 @@ class PluginAdapter final : public adapters::Adapter {
   [[nodiscard]] Port port_of(const rths_signal& signal) const;
   [[nodiscard]] Status call_step(const StepData& step) noexcept;
   [[nodiscard]] bool accepts_outputs() noexcept;
+  void mark_unset() noexcept;
+  [[nodiscard]] bool has_set_an_output(double time) noexcept;
   void begin_stop(const StepData& step) noexcept;
   [[nodiscard]] Status come_to_rest(StepData& step, Status status) noexcept;
   template <class... Values>
@@ -80,6 +83,9 @@ class PluginAdapter final : public adapters::Adapter {
   std::string title_;
   void* self_ = nullptr;
   bool is_active_ = false, has_stepped_ = false;
+  bool is_set_ = false;      ///< a step has set an output
+  double mark_ = 0;          ///< zero of either sign, in outputs that no step has set
+  double first_step_ = 0;    ///< [s]
   bool has_failed_ = false;  ///< no further step
   bool is_broken_ = false;   ///< no further call
   std::vector<Port> ports_;
@@ -161,7 +167,7 @@ std::vector<Port> PluginAdapter::read_signals() {
     if (!is_read(*signal))
       stated_.push_back({port.name, port.range ? port.range->first : -kInfinity,
                          port.range ? port.range->second : kInfinity,
-                         (signal->flags & RTHS_RAMP) != 0});
+                         (signal->flags & RTHS_RAMP) != 0, port.direction == Direction::Monitor});
   }
   return ports;
 }
@@ -177,7 +183,7 @@ void PluginAdapter::activate() {
   is_active_ = true;
   guard_.emplace(from_seconds(settings_.step_deadline));
   stopped_at_ = -1;
-  has_stepped_ = false;
+  has_stepped_ = is_set_ = false;
   const auto now = read_signals();
   const bool is_same = std::equal(
       now.begin(), now.end(), ports_.begin(), ports_.end(), [](const Port& a, const Port& b) {
@@ -210,6 +216,7 @@ Status PluginAdapter::fail(fmt::format_string<Values...> text, Values&&... value
 Status PluginAdapter::call_step(const StepData& step) noexcept {
   rths_status status = RTHS_FAULT;
   const char* reason = "";
+  mark_unset();
   const long before = heap_calls();
   const CallEnd end = guard_->run([&] {
     status = adapter_.step(self_, step.time, step.inputs.data(), outputs_.data());
@@ -227,7 +234,32 @@ Status PluginAdapter::call_step(const StepData& step) noexcept {
   const long after = heap_calls();
   if (after != before && !settings_.may_allocate)
     return fail("its step used the heap {} times, expected none", after - before);
-  return accepts_outputs() ? status_of(status) : Status::Fault;
+  return accepts_outputs() && has_set_an_output(step.time) ? status_of(status) : Status::Fault;
+}
+
+// Until a step sets an output, those that are zero change their sign before each step: a plugin
+// reads zero, and whatever it writes differs from the mark in one of two steps.
+void PluginAdapter::mark_unset() noexcept {
+  if (is_set_) return;
+  mark_ = std::signbit(mark_) ? 0.0 : -0.0;
+  for (std::size_t i = 0; i < stated_.size(); ++i)
+    if (outputs_[i] == 0) outputs_[i] = mark_;
+}
+
+bool PluginAdapter::has_set_an_output(double time) noexcept {
+  const char* first = nullptr;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < stated_.size() && !is_set_; ++i) {
+    if (stated_[i].is_monitor) continue;
+    const bool is_marked = outputs_[i] == 0 && std::signbit(outputs_[i]) == std::signbit(mark_);
+    is_set_ = !is_marked;
+    if (first == nullptr) first = stated_[i].name.c_str();
+    ++count;
+  }
+  if (is_set_ || first == nullptr || time - first_step_ < settings_.longest_unset) return true;
+  static_cast<void>(fail("its steps set none of its {} outputs, such as '{}', for {:g} s", count,
+                         first, settings_.longest_unset));
+  return false;
 }
 
 bool PluginAdapter::accepts_outputs() noexcept {
@@ -275,7 +307,10 @@ Status PluginAdapter::come_to_rest(StepData& step, Status status) noexcept {
 }
 
 Status PluginAdapter::step(StepData& step) noexcept {
-  if (!has_stepped_) std::copy(step.outputs.begin(), step.outputs.end(), outputs_.begin());
+  if (!has_stepped_) {
+    std::copy(step.outputs.begin(), step.outputs.end(), outputs_.begin());
+    first_step_ = step.time;
+  }
   has_stepped_ = true;
   if (step.stopping && stopped_at_ < 0) begin_stop(step);
   const Status status = has_failed_ ? Status::Fault : call_step(step);
@@ -283,7 +318,8 @@ Status PluginAdapter::step(StepData& step) noexcept {
     step.message = message_.data();
     return status;
   }
-  std::copy_n(outputs_.begin(), stated_.size(), step.outputs.begin());
+  std::transform(outputs_.begin(), outputs_.begin() + static_cast<std::ptrdiff_t>(stated_.size()),
+                 step.outputs.begin(), [](double value) { return value + 0.0; });  // no -0 marks
   if (stopped_at_ < 0) return status;
   const Status end = come_to_rest(step, status);
   if (end == Status::Fault) step.message = message_.data();

@@ -32,6 +32,8 @@ constexpr std::array kRoles{PluginRole{"machine", Role::Machine, 1e-3, 0, 60},
                             PluginRole{"solver", Role::Solver, 0.25e-3, 0.1e-3, 40}};
 // Of a step. Peers of a node in real time wait for 0.5 s. In virtual time nobody waits, and the
 // host may be busy.
+// A solver may begin after the rest of the test.
+constexpr double kLongestUnset = 2;                                    // [s]
 constexpr double kStepDeadline = 0.3, kStepDeadlineInVirtualTime = 5;  // [s]
 
 const PluginRole& role_in(const Config& table) {
@@ -54,6 +56,8 @@ NodeSettings read_role(const Config& table) {
         adapters::read_late_inputs(table, "newest", adapters::MissedSteps::MakeDue);
   settings.priority = role.priority;
   settings.keeps_times = role.role != Role::Solver;
+  settings.may_not_end = role.role == Role::Solver;
+  if (role.role == Role::Machine) settings.machine_table = adapters::MachineTable::Model;
   return settings;
 }
 
@@ -73,6 +77,7 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
   plugin.step_deadline = hosting.step_deadline;
   if (plugin.step_deadline == 0)
     plugin.step_deadline = context.is_virtual ? kStepDeadlineInVirtualTime : kStepDeadline;
+  plugin.longest_unset = setup.rest + kLongestUnset;
   if (!hosting.own_process) return make_plugin(plugin);
   ChildSettings child;
   child.title = plugin.title;

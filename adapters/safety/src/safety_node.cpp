@@ -117,9 +117,9 @@ void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
 NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup,
                          const std::vector<MachineAxis>& words) {
   machine.lacks_safety = !table.flag("enabled", true);
+  const SafeMachineSettings read = read_settings(table.without("enabled"), setup, words);
   if (machine.lacks_safety) return machine;
   auto make = std::exchange(machine.make, nullptr);
-  const SafeMachineSettings read = read_settings(table.without("enabled"), setup, words);
   machine.longest_stop = controller::longest_stop(read.safety);
   machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
     SafeMachineSettings settings = read;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include <fmt/format.h>
+
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -52,6 +54,9 @@ class Srmd final : public Adapter {
     for (const auto& axis : settings.axes)
       if (std::find(std::begin(kAxes), std::end(kAxes), axis) == std::end(kAxes))
         throw Error{"srmd: axis '" + axis + "' is not driven, expected long or lat"};
+    if (compression_ > sim::kVerticalCapacity)
+      throw Error{fmt::format("srmd: the specimen carries {:.4g} MN, expected at most {:g} MN",
+                              compression_ * 1e-6, sim::kVerticalCapacity * 1e-6)};
   }
 
   [[nodiscard]] std::vector<Port> ports() const override;
@@ -121,7 +126,7 @@ Eigen::Vector2d Srmd::reference(const StepData& step) noexcept {
 
 Status Srmd::step(StepData& step) noexcept {
   const Eigen::Vector2d now = reference(step);
-  const double reference_load = step.inputs[kRefCompression];
+  const double reference_load = std::min(step.inputs[kRefCompression], sim::kVerticalCapacity);
   compression_ += (reference_load - compression_) * settings_.period /
                   (settings_.period + settings_.compression_time_constant);
   const Status status = machine_.step(now, compression_, feedback_);
@@ -129,6 +134,8 @@ Status Srmd::step(StepData& step) noexcept {
   step.outputs[kEchoLat] = now[1];
   write_feedback(step);
   if (step.stopping && settings_.retreat.finished(step.time - stopped_at_)) return Status::Done;
+  if (step.inputs[kRefCompression] > sim::kVerticalCapacity)
+    return worst(status, Status::LimitExceeded);
   return status;
 }
 

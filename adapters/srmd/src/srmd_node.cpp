@@ -72,14 +72,17 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
   settings.schedule = schedule_of(kPeriod, 0);
   settings.priority = 60;
   settings.keeps_times = true;
+  settings.machine_table = MachineTable::Whole;
   settings.make = make;
   if (!table.has("model"))
     settings.schedule.missed = read_late_inputs(table, "due", MissedSteps::Wait);
-  if (table.has("model"))
+  if (table.has("model")) {
+    settings.machine_table = MachineTable::Carriage;
     settings.make = [member = read_member(table, settings)](const TestSetup& test,
                                                             const NodeContext& context) {
       return test.has_identified_machine ? make(test, context) : make_platen(member, test, context);
     };
+  }
   return with_safety(std::move(settings), table.table_or_empty("safety"), setup,
                      words_of(setup, table.has("model")));
 }

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
@@ -27,10 +29,29 @@ sim::RecordComponent read_component(const Config& table, const std::string& key,
   static_cast<void>(table.text("file", ""));  // each component may have its own
   const auto file =
       find_file(table, table.has("file_" + key) ? "file_" + key : "file", "examples/records");
-  const std::string extension = file.extension().string();
-  if (extension == ".AT2" || extension == ".at2") return sim::read_at2(file);
-  return sim::read_column(file,
-                          static_cast<int>(table.integer_in("column_" + key, 1, 100, column)));
+  if (!sim::is_at2(file))
+    return sim::read_column(file,
+                            static_cast<int>(table.integer_in("column_" + key, 1, 100, column)));
+  if (table.has("column_" + key))
+    table.fail("column_" + key, fmt::format("column_{} has no effect: {} is an .AT2 file, which "
+                                            "has one component",
+                                            key, file.filename().string()));
+  return sim::read_at2(file);
+}
+
+// A file of one component for all axes, or a file that each axis replaces by its own.
+void check_files(const Config& table, const std::vector<std::string>& axes) {
+  if (!table.has("file")) return;
+  const auto has_own = [&](const std::string& key) { return table.has("file_" + key); };
+  const bool needs_vertical = table.has("column_vert") && !has_own("vert");
+  if (has_own("long") && has_own("lat") && !needs_vertical)
+    table.fail("file", "file has no effect: each component has a file of its own");
+  if (has_own("long") || has_own("lat") || axes.size() < 2) return;
+  const auto file = find_file(table, "file", "examples/records");
+  if (sim::is_at2(file))
+    table.fail("file", fmt::format("{} is an .AT2 file, which has one component, and would drive "
+                                   "both axes; expected file_long and file_lat, or axes with one",
+                                   file.filename().string()));
 }
 
 // The components must come from one record.
@@ -66,7 +87,8 @@ sim::IsolatedPlant read_plant(const Config& table) {
   return plant;
 }
 
-sim::GroundMotion read_motion(const Config& table) {
+sim::GroundMotion read_motion(const Config& table, const std::vector<std::string>& axes) {
+  check_files(table, axes);
   const auto longitudinal = read_component(table, "long", 1);
   const auto lateral = read_component(table, "lat", 2);
   check_alike(table, longitudinal, lateral);
@@ -74,11 +96,13 @@ sim::GroundMotion read_motion(const Config& table) {
   static_cast<void>(table.text("name", ""));
   sim::GroundMotion motion;
   motion.time_step = longitudinal.time_step;
+  motion.headings = {longitudinal.heading, lateral.heading};
   for (const double value : longitudinal.values) motion.long_acceleration.push_back(scale * value);
   for (const double value : lateral.values) motion.lat_acceleration.push_back(scale * value);
   if (table.has("column_vert") || table.has("file_vert")) {
     const auto vertical = read_component(table, "vert", 3);
     check_alike(table, longitudinal, vertical);
+    motion.headings.push_back(vertical.heading);
     for (const double value : vertical.values) motion.vert_acceleration.push_back(scale * value);
   }
   table.reject_unknown_keys();

@@ -69,13 +69,19 @@ struct Experiment : adapters::TestSetup {
   bool has_plant = false;                        ///< the file states the structure
   /// Response that takes the place of the purely numerical one: [reference]
   std::optional<adapters::DisplacementHistory> reference;
-  Config conclusive;             ///< bounds of a conclusive test; report::read_bounds checks them
-  recording::Roles roles;        ///< nodes and signals by role
-  Config role_table;             ///< their table; assemble() checks it against the map
-  recording::NamedTexts config;  ///< input files, without those of its nodes
+  Config conclusive;       ///< bounds of a conclusive test; report::read_bounds checks them
+  recording::Roles roles;  ///< nodes and signals by role
+  Config role_table;       ///< their table; assemble() checks it against the map
+  std::vector<std::string> remarks;  ///< about keys without an effect on this run
+  recording::NamedTexts config;      ///< input files, without those of its nodes
 
   /// True if a solver of this project ends the run.
   [[nodiscard]] bool has_own_solver() const;
+  /// The ground motion along the tested axes.
+  [[nodiscard]] sim::GroundMotion tested_motion() const;
+  /// The latest regular end of a run since its start [s]; none if its solver surely ends it. A
+  /// solver of the user's own may take twice as long as planned.
+  [[nodiscard]] std::optional<double> latest_end() const;
   /// True if a node is a program of the user's own.
   [[nodiscard]] bool has_user_program() const;
   /// True if the solver integrates the experiment's plant.

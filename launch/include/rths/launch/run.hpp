@@ -59,6 +59,14 @@ int request_stop(const std::string& ring);
 /// @throws Error   @setup
 void check_assembly(const Experiment& experiment);
 
+/// Compares what the simulation expects of a test with what specimen and machine can do. A wrong
+/// unit exceeds it many times.
+/// @returns what is unusual, but possible   @throws Error with the likely unit   @setup
+[[nodiscard]] std::vector<std::string> check_plausible(const Experiment& experiment);
+
+/// Time step and peaks of the tested ground motion, a line.   @setup
+[[nodiscard]] std::string describe_motion(const Experiment& experiment);
+
 /// Text of /meta: how a companion run differs from its test. Absent: the run is no companion.
 inline constexpr const char* kCompanion = "companion";
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +17,8 @@ struct GroundMotion {
   std::vector<double> lat_acceleration;   ///< [m/s²], same length
   /// Upwards [m/s²], same length; empty: none. g++ needs the initializer, clang-tidy does not.
   std::vector<double> vert_acceleration = {};  // NOLINT(readability-redundant-member-init)
+  /// Of the components, as in the file; may be empty.
+  std::vector<std::string> headings = {};  // NOLINT(readability-redundant-member-init)
 
   [[nodiscard]] double duration() const {
     return time_step * static_cast<double>(long_acceleration.size());
@@ -29,7 +32,11 @@ struct GroundMotion {
 struct RecordComponent {
   double time_step = 0;        ///< [s]
   std::vector<double> values;  ///< in the file's unit
+  std::string heading;         ///< of the column, or the unit that an .AT2 file states; or empty
 };
+
+/// True for a PEER .AT2 file: by its ending, or by NPTS and DT in its fourth line.   @setup
+[[nodiscard]] bool is_at2(const std::filesystem::path& file);
 
 /// Reads a PEER .AT2 file: four header lines, the last with NPTS and DT, then values in g.
 /// @throws Error with file:line   @setup

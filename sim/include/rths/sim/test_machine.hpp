@@ -15,6 +15,9 @@
 
 namespace rths::sim {
 
+/// Largest load of the SRMD's vertical actuators (Table 1 of the paper) [N].
+inline constexpr double kVerticalCapacity = 53.4e6;
+
 /// Limits of one axis of a test machine.
 struct AxisLimits {
   double stroke = 0;    ///< ± [m]

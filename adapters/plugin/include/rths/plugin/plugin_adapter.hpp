@@ -19,6 +19,7 @@ struct PluginSettings {
   std::string title;                       ///< for messages; empty: "plugin 'name' (file)"
   adapters::Retreat retreat;
   double step_deadline = 0.3;  ///< of a step, wall time [s]
+  double longest_unset = 2;    ///< until a step sets an output, from the first step on [s]
   bool may_allocate = false;   ///< a step that uses the heap is not a fault
 };
 
@@ -26,8 +27,9 @@ struct PluginSettings {
 ///
 /// A step is a Fault, with the name of the plugin and the reason, if it crashes, does not return in
 /// time, uses the heap, or writes NaN, a value outside its stated range or memory outside its
-/// outputs. The outputs then keep their last valid values. No step follows; only a plugin that is
-/// intact is deactivated and destroyed.
+/// outputs. So is a step after `longest_unset` in which none had set any output. The outputs then
+/// keep their last valid values. No step follows; only a plugin that is intact is deactivated and
+/// destroyed.
 ///
 /// A crash or an endless loop can leave locks and memory of this process in a bad state.
 /// `make_child` separates them.

@@ -41,6 +41,14 @@ struct NodeContext {
   std::vector<std::string> watched;  ///< solvers and controllers with monitors of their own
 };
 
+/// What the table [machine] means to a node.
+enum class MachineTable {
+  Unused,
+  Model,     ///< only the model in the diagnosis: the machine is the user's own
+  Carriage,  ///< only what the platen carries, `empty_table` and `rollers`: its file has the rest
+  Whole,
+};
+
 /// Settings of a node, from its table of the experiment.
 struct NodeSettings {
   Role role = Role::Machine;
@@ -52,6 +60,10 @@ struct NodeSettings {
   /// Of a solver with a structure of its own that can run again: the node that then takes the place
   /// of controller and machine, for the purely numerical result. Null: it cannot.
   std::shared_ptr<const NodeSettings> ideal_machine;
+  bool may_not_end = false;       ///< a solver of the user's own: the launcher ends a late run
+  MachineTable machine_table = MachineTable::Unused;
+  bool has_computing_time = false;  ///< modelled by keys of [solver]
+  bool waits_for_flags = false;     ///< of the handshake, at most `wait_deadline_s` of [solver]
   std::filesystem::path diagram;    ///< block diagram that it runs, if any
   std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
   Config blocks;                    ///< the same in the experiment, with priority
