@@ -18,6 +18,7 @@
 #include <stdexcept>
 
 #include "files.hpp"
+#include "host_time.hpp"
 
 namespace rths::test {
 namespace {
