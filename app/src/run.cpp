@@ -197,8 +197,7 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   });
   steps->begin("the numerical result");
   const auto numerical = folder / report::kNumericalFile;
-  companions.make("numerical result", numerical,
-                  [&] { run_numerical(experiment, numerical); });
+  companions.make("numerical result", numerical, [&] { run_numerical(experiment, numerical); });
   stop_if_interrupted();
   bool is_proved = has_held_out;
   if (has_held_out) {

@@ -60,7 +60,7 @@ struct NodeSettings {
   /// Of a solver with a structure of its own that can run again: the node that then takes the place
   /// of controller and machine, for the purely numerical result. Null: it cannot.
   std::shared_ptr<const NodeSettings> ideal_machine;
-  bool may_not_end = false;       ///< a solver of the user's own: the launcher ends a late run
+  bool may_not_end = false;  ///< a solver of the user's own: the launcher ends a late run
   MachineTable machine_table = MachineTable::Unused;
   bool has_computing_time = false;  ///< modelled by keys of [solver]
   bool waits_for_flags = false;     ///< of the handshake, at most `wait_deadline_s` of [solver]
