@@ -99,6 +99,12 @@ TEST_F(OpenSeesRun, HasTheNumericalResultOfItsOwnStructureAndTheModel) {
     EXPECT_GT(report["axes"][axis]["numerical_difference_percent"], 10) << axis;
 }
 
+TEST_F(OpenSeesRun, IsCheckedWithoutARecording) {
+  const auto checked =
+      test::run_rths({"check", experiment({kIdeal, kPlant, plant_arguments(), kBoth})});
+  EXPECT_EQ(checked.exit_code, 0) << checked.err;
+}
+
 TEST_F(OpenSeesRun, IsItsNumericalResultIfSpecimenAndModelAreTheSame) {
   const std::string file = experiment({kIdeal, kPlant, plant_arguments(), kBoth});
   ASSERT_EQ(run(file, "virtual").exit_code, 0);

@@ -55,7 +55,10 @@ OpenSeesScript read_script(const Config& table) {
 void complete_script(const TestSetup& setup, const NodeContext& context, OpenSeesScript& script) {
   script.log = file_beside(context.recording, context.node, ".log");
   const auto motion = file_beside(context.recording, context.node, ".motion.csv");
-  const auto results = std::filesystem::absolute(context.recording).replace_extension();
+  // A check has no recording.
+  const auto results = context.recording.empty()
+                           ? std::filesystem::path{}
+                           : std::filesystem::absolute(context.recording).replace_extension();
   for (auto& argument : script.command) {
     if (fill_in(argument, setup, motion)) script.files = {{motion, motion_text(setup.motion)}};
     replace_all(argument, kResultsPlaceholder, results.string());
