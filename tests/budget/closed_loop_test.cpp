@@ -106,7 +106,7 @@ TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
 TEST_F(ClosedLoop, IsTheNumericalResultWithEveryPartAsSimulated) {
   make(true);
   const auto file = folder / "numerical.h5";
-  launch::run_numerical(experiment, file);
+  launch::run_numerical(experiment, file, "");
   const recording::Reader numerical{file};
   const Response simulated = closed_loop(hybrid, kNone);
   for (const int axis : {0, 1}) {

@@ -69,7 +69,7 @@ TEST(FirstContact, CompletesCommandsOptionsAndValues) {
   EXPECT_EQ(completed({"ru"}), Lines{"run"});
   EXPECT_EQ(completed({"map", ""}), (Lines{"list", "check", "gen"}));
   EXPECT_EQ(completed({"run", "x.toml", "--cl"}), Lines{"--clock"});
-  EXPECT_EQ(completed({"run", "--clock", ""}), (Lines{"wall", "virtual"}));
+  EXPECT_EQ(completed({"run", "--clock", ""}), (Lines{"wall", "virtual", "auto"}));
   EXPECT_EQ(completed({"run", "--clock", "virtual", "--no"}), Lines{"--no-diagnosis"});
   EXPECT_EQ(completed({"loop", ""}), (Lines{"eqsb", "lprb", "tpfb"}));
   EXPECT_EQ(completed({"map", "check", "sr"}), Lines{"srmd"});

@@ -121,7 +121,7 @@ TEST_P(ThreeDimensionsSlider, TracksTheVerticalForceWithinTheLimits) {
 // RMS error of the vertical force [% of peak to peak] of a test of 9 s.
 double vertical_error(const std::string& example, std::vector<std::string> sets) {
   const test::TemporaryFolder folder;
-  sets.emplace_back("duration_s=9");
+  sets.insert(sets.end(), {"duration_s=9", "conclusive.response=1"});
   const auto run = run_3d(folder.path(), std::move(sets), example);
   EXPECT_EQ(run.exit_code, 0) << run.err;
   return test::json_of(folder.path() / "report.json")["vertical"]["rms_percent"];
@@ -153,7 +153,9 @@ TEST(ThreeDimensionsExample, FollowsTheHeightAtThePlaten) {
 // A test beside itself differs by nothing.
 TEST(Report, PutsAnotherTestBesideThis) {
   const test::TemporaryFolder folder;
-  ASSERT_EQ(run_3d(folder.path(), {"duration_s=1", "rate=2", "rest_s=0.2"}).exit_code, 0);
+  ASSERT_EQ(run_3d(folder.path(), {"duration_s=1", "rate=2", "rest_s=0.2", "conclusive.response=1"})
+                .exit_code,
+            0);
 
   const auto both =
       test::run_rths({"report", folder.path().string(), "--beside", folder.path().string()});
@@ -166,7 +168,9 @@ TEST(Report, PutsAnotherTestBesideThis) {
   EXPECT_EQ(numbers["beside"]["axes"]["lat"]["beside_peak_shear_kN"],
             numbers["axes"]["lat"]["peak_shear_kN"]);
   const test::TemporaryFolder single;
-  ASSERT_EQ(run_3d(single.path(), {"duration_s=1", "axes=[\"long\"]"}).exit_code, 0);
+  ASSERT_EQ(
+      run_3d(single.path(), {"duration_s=1", "axes=[\"long\"]", "conclusive.response=1"}).exit_code,
+      0);
   const auto lacks =
       test::run_rths({"report", folder.path().string(), "--beside", single.path().string()});
   EXPECT_EQ(lacks.exit_code, 2);

@@ -340,11 +340,12 @@ TEST(RunDiagnosis, AddsAnImprovementToThoseOfTheExperiment) {
       "stiffness.toml", "[specimen.bouc_wen]\npost_yield_stiffness_N_per_m = 5_000_000\n");
   // The force of the simulation with the improvements that the experiment lists and one more.
   const auto force = [&](const std::vector<std::string>& listed) {
-    const auto run = run_example(
-        folder.path() / "out",
-        {"--force", "--no-diagnosis", "--set", "duration_s=5", "--set", "uncompensated={}", "--set",
-         "held_out={}", "--set", fmt::format("model.improvement=[{}]", fmt::join(listed, ",")),
-         "--improve", stiffness.string()});
+    const auto run =
+        run_example(folder.path() / "out",
+                    {"--force", "--no-diagnosis", "--set", "duration_s=5", "--set",
+                     "uncompensated={}", "--set", "held_out={}", "--set", "conclusive.response=10",
+                     "--set", fmt::format("model.improvement=[{}]", fmt::join(listed, ",")),
+                     "--improve", stiffness.string()});
     EXPECT_EQ(run.exit_code, 0) << run.err;
     return recording::Reader{folder.path() / "out/numerical.h5"}.signal("result.force.long");
   };

@@ -27,7 +27,8 @@ class Strangers : public ::testing::Test {
   void compile(const std::string& source, const std::string& program) const {
     const auto library = test::build_tree() / "broker/scramnet";
     const auto compiled = test::Running{
-        {"/usr/bin/cc", source, "-I" + (test::source_tree() / "broker/scramnet/include/scramnet").string(),
+        {"/usr/bin/cc", source,
+         "-I" + (test::source_tree() / "broker/scramnet/include/scramnet").string(),
          "-L" + library.string(), "-Wl,-rpath," + library.string(), "-lscgtapi", "-o",
          program}}.wait();
     ASSERT_EQ(compiled.exit_code, 0) << compiled.err;

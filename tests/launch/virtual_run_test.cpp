@@ -304,6 +304,8 @@ TEST(VirtualRun, IsRefusedWithoutASolver) {
     text.replace(at, 9, '"' + (test::source_tree() / "examples/records/").string());
   text.replace(text.find("\"srmd_constants.toml"), 1,
                '"' + (test::source_tree() / "examples/").string());
+  text.erase(text.find("\n[solver]"),
+             text.find("\n[", text.find("\n[solver]") + 1) - text.find("\n[solver]"));
   const auto file = folder.write("no_solver.toml", text);
 
   const auto run = test::run_rths(

@@ -15,10 +15,14 @@ namespace rths::adapters {
 void check_placeholders(const Config& table, const std::string& key,
                         const std::vector<std::string>& arguments,
                         const std::vector<std::string_view>& known) {
-  for (const auto& argument : arguments)
-    if (argument.starts_with("{") && std::find(known.begin(), known.end(), argument) == known.end())
-      table.fail(key, fmt::format("unknown placeholder '{}', expected one of {}", argument,
-                                  fmt::join(known, ", ")));
+  for (const auto& argument : arguments) {
+    const std::string placeholder = argument.substr(0, argument.find('}') + 1);
+    if (argument.starts_with("{") &&
+        std::find(known.begin(), known.end(), placeholder) == known.end())
+      table.fail(key,
+                 fmt::format("unknown placeholder '{}', expected one of {}",
+                             placeholder.empty() ? argument : placeholder, fmt::join(known, ", ")));
+  }
 }
 
 void replace_all(std::string& text, std::string_view from, const std::string& to) {
