@@ -223,17 +223,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
                                       help="folder for logs and recordings of failed tests [out/failed_tests]")
 
 
-@pytest.hookimpl(hookwrapper=True)
-def pytest_runtest_call(item: pytest.Item) -> Iterator[None]:
-    outcome = yield
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_call(item: pytest.Item) -> None:
+    """After a test that passed: a foreign store fails it."""
     kept = item.stash.get(_KEPT, None)
-    if kept is None or outcome.excinfo is not None:
-        return
-    try:
-        for laboratory in kept.laboratories:
-            laboratory.check_owners()
-    except AssertionError as error:
-        outcome.force_exception(error)
+    for laboratory in kept.laboratories if kept is not None else []:
+        laboratory.check_owners()
 
 
 @pytest.hookimpl(hookwrapper=True)
