@@ -11,7 +11,8 @@
 
 namespace rths::launch {
 
-/// Looks in a run, every two milliseconds, for words that another process than their owner has stored.
+/// Looks in a run, every two milliseconds, for words that another process than their owner has
+/// stored.
 class OwnershipWatch {
  public:
   /// Begins. @param ring  kept by reference; before its nodes join

@@ -66,9 +66,9 @@ class OpenSees final : public Adapter {
   std::optional<OpenSeesConnection> opensees_;
   OpfHandshake handshake_;
   std::uint64_t moves_ = 0;
-  double time_ = 0;                  ///< of the last move, in the script [s]
-  double computing_time_ = 0;        ///< of the current step [s]
-  double busy_until_ = 0;            ///< a trial is taken from then on [s]
+  double time_ = 0;            ///< of the last move, in the script [s]
+  double computing_time_ = 0;  ///< of the current step [s]
+  double busy_until_ = 0;      ///< a trial is taken from then on [s]
   ScriptStep script_step_;
   std::vector<bool> has_left_rest_;  ///< of each element
   bool has_begun_ = false, has_moved_ = false, is_probing_ = false;
