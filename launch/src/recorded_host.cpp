@@ -62,7 +62,9 @@ std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& tic
     while (static_cast<double>(arrivals.size()) + 1 <= targets[row])
       arrivals.push_back({last, made - 1});
     if (arrivals.size() > before && !time.empty()) {
-      const double passed = (time[row] - schedule.phase) / schedule.period - skipped[row];
+      const auto at = std::lower_bound(run.time().begin(), run.time().end(), time[row]);
+      const auto seen = std::min(static_cast<std::size_t>(at - run.time().begin()), row);
+      const double passed = (time[row] - schedule.phase) / schedule.period - skipped[seen];
       const auto tick = std::max(0L, std::lround(passed));
       arrivals.back().first = arrivals.back().last =
           std::clamp(static_cast<std::size_t>(tick), last, made - 1);

@@ -13,6 +13,10 @@ namespace {
 using test::apart;
 using test::ClosedLoop;
 
+/// Its time does not stand still while its host is late.
+const std::vector<std::pair<std::string, std::string>> kRealMachine{
+    {"node.srmd.late_inputs", "newest"}};
+
 /// A host that stops one node, or all of them, for 5 to 9 ms, four times a second. After a common
 /// stop, the nodes start again one after the other.
 Duration stalls(const std::string& node, Duration due) {
@@ -37,7 +41,7 @@ Duration stalls(const std::string& node, Duration due) {
 
 // While all nodes are late, rows are missing, and the lead of these ticks is interpolated.
 TEST_F(ClosedLoop, ReproducesALateHost) {
-  make(false, {}, stalls);
+  make(false, kRealMachine, stalls);
   ASSERT_FALSE(hybrid.order.machine_before.empty());
 
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
@@ -45,7 +49,7 @@ TEST_F(ClosedLoop, ReproducesALateHost) {
 }
 
 TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
-  make(true, {}, stalls);
+  make(true, kRealMachine, stalls);
   const recording::Reader run{folder / "run.h5"};
 
   const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
@@ -113,7 +117,7 @@ HybridTest with_late_actuator(HybridTest hybrid) {
 // are as simulated: an ideal transfer system, too, leaves the platen at rest for a tick, but does
 // not stop it and make it jump.
 TEST_F(ClosedLoop, BearsALatenessBelowAPeriodWithEverySetOfParts) {
-  make(true, {}, delays);
+  make(true, kRealMachine, delays);
   ASSERT_FALSE(hybrid.order.machine_before.empty());
   const HybridTest late_actuator = with_late_actuator(hybrid);
 
@@ -131,7 +135,7 @@ TEST_F(ClosedLoop, BearsALatenessBelowAPeriodWithEverySetOfParts) {
 
 // 0.02 is the share that the sentence of a budget names.
 TEST_F(ClosedLoop, GivesALatenessBelowAPeriodNoShareWorthNaming) {
-  make(true, {}, delays);
+  make(true, kRealMachine, delays);
   const recording::Reader run{folder / "run.h5"};
 
   const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);

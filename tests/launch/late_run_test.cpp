@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(Nodes, StalledNode,
 class LateTargets : public ::testing::TestWithParam<const char*> {};
 
 // Targets of the solver that come too late, without a stop of the host. The response is at most
-// half as far again from the numerical one, and 1 %.
+// half as far again from the numerical one, and 2 %.
 TEST_P(LateTargets, NeitherTripNorChangeTheResponse) {
   const std::vector<std::pair<double, double>> all{{0.01, 0.004}, {0.01, 0.011}, {0.01, 0.05},
                                                    {0.05, 0.004}, {0.05, 0.011}, {0.05, 0.05}};
@@ -158,7 +158,7 @@ TEST_P(LateTargets, NeitherTripNorChangeTheResponse) {
               nullptr);
       const auto of = fmt::format("{:g} of {:g} s, seed {}", fraction, overrun, seed);
       EXPECT_EQ(late.trouble, "") << of;
-      EXPECT_LT(apart(late, reference), 1.5 * usual + 0.01) << of;
+      EXPECT_LT(apart(late, reference), 1.5 * usual + 0.02) << of;
     }
 }
 

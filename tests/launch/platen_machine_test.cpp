@@ -94,8 +94,9 @@ TEST(ThreeDimensionsExample, TracksTheVerticalForceThatItFeedsBack) {
 TEST(ThreeDimensionsExample, PredictsNoLongerThanTheSolverComputes) {
   const test::TemporaryFolder folder;
 
-  const auto run = run_3d(folder.path(), {"duration_s=2", "solver.computing_time_s=0.0015",
-                                          "solver.computing_time_spread=0"});
+  const auto run =
+      run_3d(folder.path(), {"duration_s=2", "solver.computing_time_s=0.0015",
+                             "solver.computing_time_spread=0", "conclusive.response=1"});
 
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NEAR(test::json_of(folder.path() / "report.json")["predict_ms_mean"], 1, 0.01);

@@ -285,7 +285,7 @@ TEST(Difference, ReadsTheSameRowsOfAnEqualInterval) {
   const auto early = [](double time) { return std::sin(time); };
   TinyRecording recorded = test_at_targets(0.01, early);
   const auto exact = recorded.words[1].value;
-  recorded.words[1].value = [=](double time) { return exact(time) + 1e-4; };
+  recorded.words[1].value = [=](double time) { return exact(time) + 5e-5; };
 
   EXPECT_EQ(difference_between(recorded, result_at(0.01, early), 0.01), 0);
 }
