@@ -308,7 +308,8 @@ Status AdapterRunner::tick(Duration time, bool stopping, const Timing& timing) n
   write_own_monitors(status, timing);
   status = worst(status, write_outputs());
   const TimePoint now = timing.clock != nullptr ? timing.clock->now() : WallClock{}.now();
-  node_.beat(now, step_.is_missed ? now - timing.due : Duration{0});
+  const bool is_of_its_time = step_.is_missed && schedule_.missed == MissedSteps::MakeDue;
+  node_.beat(now, is_of_its_time ? now - timing.due : Duration{0});
   // A stale input in the last step does not revoke the adapter's Done.
   return result == Status::Done && status != Status::Fault ? Status::Done : status;
 }

@@ -35,9 +35,9 @@ budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
   for (std::size_t i = 0; i < std::min(late.values.size(), duration.values.size()); ++i) {
     const bool is_missed = schedule.makes_due && late.values[i] >= schedule.period;
     times.missed.push_back(is_missed);
-    times.begin.push_back(schedule.phase + static_cast<double>(i) * schedule.period +
-                          (is_missed ? 0 : late.values[i]));
-    times.end.push_back(times.begin.back() + (is_missed ? 0 : duration.values[i]));
+    times.due.push_back(schedule.phase + static_cast<double>(i) * schedule.period);
+    times.begin.push_back(times.due.back() + late.values[i]);
+    times.end.push_back(times.begin.back() + duration.values[i]);
   }
   return times;
 }

@@ -70,9 +70,14 @@ using ForceCorrection = std::variant<std::monostate, MachineForceCorrection, Tab
 struct TickTimes {
   std::vector<double> begin;  ///< the node reads its inputs
   std::vector<double> end;    ///< its outputs are written
-  /// Made after its time, with the inputs of its time: begin and end are when it was due. May be
-  /// empty.
+  /// Ticks that were made after their time, with the inputs of their time, and when they were due.
+  /// Their outputs count from then on for other such ticks. Both may be empty.
   std::vector<bool> missed = {};  // NOLINT(readability-redundant-member-init)
+  std::vector<double> due = {};   // NOLINT(readability-redundant-member-init)
+
+  [[nodiscard]] bool is_missed(std::size_t tick) const {
+    return tick < missed.size() && missed[tick];
+  }
 };
 
 /// The order in which controller and machine made their ticks. Ticks beyond the vectors, and all if
