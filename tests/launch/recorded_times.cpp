@@ -29,11 +29,13 @@ Steps steps_of(const recording::Reader& run, const std::string& node,
   const auto count = run.signal(prefix + "step");
   const auto late = run.signal(prefix + "late");
   const auto duration = run.signal(prefix + "duration");
+  const auto skipped = run.signal(prefix + "skipped");
   Steps steps;
   for (std::size_t row = 0; row < count.size(); ++row) {
     const long step = std::lround(count[row]);
     if (step < 1) continue;
-    steps.begin[step] = to_seconds(schedule.phase + (step - 1) * schedule.period) + late[row];
+    const long due = step - 1 + std::lround(skipped[row]);
+    steps.begin[step] = to_seconds(schedule.phase + due * schedule.period) + late[row];
     steps.duration[step - 1] = duration[row];  // a step reports the duration of the one before
   }
   return steps;

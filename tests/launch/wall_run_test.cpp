@@ -312,7 +312,7 @@ TEST(WallRun, EndsWhenANodeFallsSilent) {
   const test::Finished finished = run.running.wait(20);
 
   EXPECT_EQ(finished.exit_code, 2);
-  EXPECT_NE(finished.err.find("xpc: srmd (process " + std::to_string(pids.at("srmd")) +
+  EXPECT_NE(finished.err.find(": srmd (process " + std::to_string(pids.at("srmd")) +
                               ") is silent: held"),
             std::string::npos)
       << finished.err;
