@@ -85,7 +85,8 @@ TEST(AdaptersPage, AlsoHoldsForAControllerInCpp) {
 TEST(NewAdapter, RunsInTheMainExperimentAsControllerAndAsMachine) {
   const std::string run = "rths run " +
                           (test::source_tree() / "examples/srmd_lprb_2d.toml").string() +
-                          " --clock virtual --no-diagnosis --set duration_s=12 --set held_out={} ";
+                          " --clock virtual --no-diagnosis --set duration_s=12 --set held_out={} "
+                          "--set conclusive.response=1 ";
   const test::TemporaryFolder folder;
   const auto ran = run_commands(
       "```sh\nrths new adapter demo\nrths new adapter pilot --role controller\n"
