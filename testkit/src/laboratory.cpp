@@ -324,9 +324,9 @@ bool Laboratory::has_ended(const std::string& program) {
 void Laboratory::check_programs() { state_->check_programs(); }
 
 bool Laboratory::State::has_suspicion() const {
-  return recorder->has_suspicion() || std::any_of(links.begin(), links.end(), [](const auto& link) {
-           return link.second->has_suspicion();
-         });
+  return recorder->foreign_log().has_suspicion() ||
+         std::any_of(links.begin(), links.end(),
+                     [](const auto& link) { return link.second->foreign_log().has_suspicion(); });
 }
 
 // The thread makes the last look after this call has begun.
@@ -340,9 +340,9 @@ void Laboratory::check_owners() {
 }
 
 void Laboratory::State::check_stores() {
-  if (const auto text = recorder->foreign_store(); !text.empty()) throw NotMet{text};
+  if (const auto text = recorder->foreign_log().first(); !text.empty()) throw NotMet{text};
   for (const auto& [node, link] : links)
-    if (const auto text = link->foreign_store(); !text.empty()) throw NotMet{text};
+    if (const auto text = link->foreign_log().first(); !text.empty()) throw NotMet{text};
 }
 
 void Laboratory::State::check_programs() {

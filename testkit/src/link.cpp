@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "link.hpp"
-#include "recorder.hpp"
 
 #include <algorithm>
 #include <optional>
@@ -115,18 +114,8 @@ class Link::Outward {
   }
 
  private:
-  void look_at_stores() {
-    const auto stores = watch_.look();
-    link_.has_suspicion_.store(watch_.has_suspicion());
-    for (const auto& store : stores) {
-      if (store.allowed || store.owner.empty()) continue;
-      const std::lock_guard lock{link_.mutex_};
-      if (link_.foreign_store_.empty())
-        link_.foreign_store_ = foreign_store_text(link_.map_, store, begun_);
-    }
-  }
   void look(TimePoint now) {
-    look_at_stores();
+    link_.foreign_log_.look(watch_);
     next_look_ = now + (watch_.is_plain(link_.node_) ? kPlainLook : kLinkLook);
     const auto state = observer_.presence_of(id_).state;
     if (state == State::Alive && !node_) node_.emplace(to_, link_.node_);
@@ -174,7 +163,6 @@ class Link::Outward {
   std::optional<Double> node_;  ///< on the ring of the laboratory
   std::deque<Message> waiting_;
   int absent_looks_ = 0;
-  TimePoint begun_{WallClock{}.now()};
   TimePoint next_look_{0};
   WallClock clock_;
 };
@@ -280,11 +268,6 @@ void Link::restore() {
   const std::lock_guard lock{mutex_};
   faults_ = {};
 }
-std::string Link::foreign_store() const {
-  const std::lock_guard lock{mutex_};
-  return foreign_store_;
-}
-
 std::string Link::trouble() const {
   const std::lock_guard lock{mutex_};
   return trouble_;

@@ -15,6 +15,8 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
 
+#include "foreign_log.hpp"
+
 namespace rths::testkit {
 
 /// A ring of its own for the program of one node, and the threads that carry the writes between it
@@ -42,9 +44,8 @@ class Link {
   void restore();
   /// The first error of its threads; empty if none.
   [[nodiscard]] std::string trouble() const;
-  /// The first store of the program into a word of another node, as one line; empty: none.
-  [[nodiscard]] std::string foreign_store() const;
-  [[nodiscard]] bool has_suspicion() const { return has_suspicion_.load(); }
+  /// Stores of the program into words of other nodes.
+  [[nodiscard]] const ForeignLog& foreign_log() const { return foreign_log_; }
 
  private:
   struct Message {
@@ -67,10 +68,10 @@ class Link {
 
   std::string ring_, image_, node_;
   const memmap::Map& map_;
-  mutable std::mutex mutex_;  ///< of the next three
+  ForeignLog foreign_log_{map_, WallClock{}.now()};
+  mutable std::mutex mutex_;  ///< of the next two
   Faults faults_;
-  std::string trouble_, foreign_store_;
-  std::atomic<bool> has_suspicion_{false};
+  std::string trouble_;
   std::atomic<int> ready_{0};
   std::atomic<bool> ends_{false};
   std::vector<std::thread> threads_;

@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/broker/watch_text.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::testkit {
@@ -30,7 +29,8 @@ Recorder::Recorder(const std::string& ring)
     : ring_{SignalRing::attach(ring)},
       observer_{ring_->ring().observe()},
       waiter_{ring_->ring().wait_for({}, Duration{0})},
-      begun_{WallClock{}.now()} {
+      begun_{WallClock{}.now()},
+      foreign_log_{ring_->map(), begun_} {
   const auto& signals = ring_->map().signals();
   for (std::uint32_t i = 0; i < signals.size(); ++i) {
     const std::uint32_t offset = signals[i].signal->offset.value();
@@ -39,29 +39,6 @@ Recorder::Recorder(const std::string& ring)
     first_.push_back(ring_->codec(signals[i]).decode(observer_.read(signals[i].signal->offset)));
   }
   thread_ = std::thread{[this] { record(); }};
-}
-
-std::string foreign_store_text(const memmap::Map& map, const broker::PlainStore& store,
-                               TimePoint begun) {
-  return fmt::format("{}: stored as {} by {} at {:.3f} s, expected stores by its owner {} alone",
-                     broker::word_name(map, store.offset),
-                     broker::word_value(map, store.offset, store.value), broker::writers_of(store),
-                     to_seconds(store.seen - begun), store.owner);
-}
-
-void Recorder::look(broker::Watch& watch) {
-  const auto stores = watch.look();
-  has_suspicion_.store(watch.has_suspicion());
-  for (const auto& store : stores) {
-    if (store.allowed || store.owner.empty()) continue;
-    const std::lock_guard lock{mutex_};
-    if (foreign_store_.empty()) foreign_store_ = foreign_store_text(ring_->map(), store, begun_);
-  }
-}
-
-std::string Recorder::foreign_store() const {
-  const std::lock_guard lock{mutex_};
-  return foreign_store_;
 }
 
 void Recorder::record() {
@@ -74,7 +51,7 @@ void Recorder::record() {
     const bool ends = ends_.load();
     if (ends) latest = std::min(latest, now + kLastWrites);
     if (now >= next_look) {
-      look(watch);
+      foreign_log_.look(watch);
       next_look = now + look_period(watch, ring_->map());
     }
     broker::Write write;

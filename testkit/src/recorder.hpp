@@ -4,19 +4,15 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include <rths/broker/watch.hpp>
 #include <rths/testkit/signals.hpp>
 
-namespace rths::testkit {
+#include "foreign_log.hpp"
 
-/// A store that was not made by the word's owner, as one line.
-[[nodiscard]] std::string foreign_store_text(const memmap::Map& map,
-                                             const broker::PlainStore& store, TimePoint begun);
+namespace rths::testkit {
 
 /// Keeps every change of a ring in memory, in a thread of its own, and journals the stores of
 /// programs for the cards, so that others can follow them. Finds stores into words of others.
@@ -27,10 +23,8 @@ class Recorder {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// The first store that was not made by the word's owner, as one line; empty: none was found.
-  [[nodiscard]] std::string foreign_store() const;
-  /// Whether the thread still has to judge a store.
-  [[nodiscard]] bool has_suspicion() const { return has_suspicion_.load(); }
+  /// Stores that were not made by the word's owner.
+  [[nodiscard]] const ForeignLog& foreign_log() const { return foreign_log_; }
   /// Ends the thread. Twice has no effect.
   void end();
   /// Writes all signals [SI] to a recording. Changes of different signals within a millisecond
@@ -44,7 +38,6 @@ class Recorder {
     std::uint32_t word;
   };
   void record();
-  void look(broker::Watch& watch);
   void take(const broker::Write& write);
 
   std::shared_ptr<SignalRing> ring_;
@@ -55,9 +48,8 @@ class Recorder {
   std::vector<Entry> entries_;
   std::uint64_t missing_ = 0;  ///< writes that were lost, or for which there was no room
   TimePoint begun_;
-  mutable std::mutex mutex_;  ///< of the next one
-  std::string foreign_store_;
-  std::atomic<bool> ends_{false}, has_suspicion_{false};
+  ForeignLog foreign_log_;
+  std::atomic<bool> ends_{false};
   std::thread thread_;
 };
 
