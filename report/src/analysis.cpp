@@ -275,6 +275,10 @@ double model_time_at(double wall_time, double rest, double rate) {
   return std::max(0.0, wall_time - rest) / rate;
 }
 
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
 double mean(std::span<const double> values) {
   return values.empty() ? 0
                         : std::accumulate(values.begin(), values.end(), 0.0) /

@@ -221,6 +221,9 @@ struct HostLateness {
 /// @param rest  wall time before the test [s]   @param rate  wall time over model time
 [[nodiscard]] double model_time_at(double wall_time, double rest, double rate);
 
+/// 0 if there are none.
+[[nodiscard]] double largest(const std::vector<double>& values);
+
 /// The lines of a text that each end with a line feed.
 [[nodiscard]] std::vector<std::string> lines(const std::string& text);
 

@@ -20,6 +20,9 @@ using Break = std::optional<Broken>;
                                              const std::vector<double>& response,
                                              const Evidence& all);
 
+/// Rows of the test, without the retreat after it.
+[[nodiscard]] std::size_t test_rows(const recording::Reader& run);
+
 /// A trip of the safety layer, from the run's recording.
 [[nodiscard]] Break safety_of(const recording::Reader& run);
 /// A node or a target that was late in the half second before a time, as a sentence; empty if none

@@ -24,14 +24,14 @@ constexpr double kRounding = 0.5;  // of an integration step
 
 double end_of(const Reader& run) { return run.time().empty() ? 0 : run.time().back(); }
 
-Break end_of_run(const Reader& run, const Config& experiment) {
+Break end_of_run(const Reader& run, const SolverTime& solver, const Config& experiment) {
   const double planned = experiment.number("duration_s");
   const double step = experiment.number("integration_step_s", 0.01);
   const auto meta = run.meta();
   const auto ending = meta.find("ending");
   const std::string how = ending == meta.end() ? "not recorded" : ending->second;
   const std::string signal = recording::roles_of(run).time;
-  const double reached = reached_in(run, experiment, how == "completed");
+  const double reached = reached_in(run, solver, experiment, how == "completed");
   if (how == "completed" && reached > planned - (1 + kRounding) * step) return {};
   return Broken{"end", end_of(run), signal, fmt::format("{:.2f} s, ending: {}", reached, how),
                 fmt::format("{:g} s, ending: completed", planned)};
@@ -102,16 +102,6 @@ Break owner_of(const Reader& run) {
           : fmt::format("; and {} more word{}", stores.size() - 1, stores.size() == 2 ? "" : "s");
   return Broken{"owner", first.time, first.signal, first.found() + others,
                 fmt::format("stores by its owner {} alone", first.owner)};
-}
-
-// Rows of the test, without the retreat after it.
-std::size_t test_rows(const Reader& run) {
-  const std::string name = recording::roles_of(run).new_target;
-  if (!run.has(name)) return run.rows();
-  const auto flag = run.signal(name);
-  return static_cast<std::size_t>(
-      std::find_if(flag.begin(), flag.end(), [](double value) { return value < 0; }) -
-      flag.begin());
 }
 
 // Invalid or torn inputs. A host that is late in the midst of a write excuses them.
@@ -222,14 +212,15 @@ class Judgement {
 
 void judge_run(Judgement& judgement, const Reader& run, const Config& experiment,
                const Bounds& bounds) {
-  judgement.add(end_of_run(run, experiment));
+  const SolverTime solver = solver_time_of(run);
+  judgement.add(end_of_run(run, solver, experiment));
   judgement.add(safety_of(run));
   judgement.add(owner_of(run));
   judgement.add(missing_rows(run, bounds));
   if (run.rows() < 2) return;
   // A solver of this project advances by a step with each target.
   if (!recording::node_with(experiment.table("node"), {"numerical"}))
-    judgement.add(time_of(solver_time_of(run), experiment.number("integration_step_s", 0.01)));
+    judgement.add(time_of(solver, experiment.number("integration_step_s", 0.01)));
   const HostLateness host = lateness_of(run);
   judgement.add(late_host(run, host, bounds));
   for (const auto& node : nodes_of(run)) {
@@ -262,6 +253,15 @@ void judge_axes(Judgement& judgement, const Evidence& evidence, const Bounds& bo
 }
 
 }  // namespace
+
+std::size_t test_rows(const Reader& run) {
+  const std::string name = recording::roles_of(run).new_target;
+  if (!run.has(name)) return run.rows();
+  const auto flag = run.signal(name);
+  return static_cast<std::size_t>(
+      std::find_if(flag.begin(), flag.end(), [](double value) { return value < 0; }) -
+      flag.begin());
+}
 
 Bounds read_bounds(const Config& table) {
   Bounds b;

@@ -22,10 +22,6 @@ struct Band {
 constexpr double kLeastCoherent = 1, kMostCoherent = 15;  // of the vertical force [Hz]
 constexpr Band kBands[] = {{"below_6_Hz", 0, 6}, {"6_to_11_Hz", 6, 11}, {"above_11_Hz", 11, 1e3}};
 
-double largest(const std::vector<double>& values) {
-  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
-}
-
 // The values without NaN.
 std::vector<double> numbers_in(std::vector<double> values) {
   values.erase(

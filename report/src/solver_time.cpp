@@ -20,10 +20,6 @@ constexpr double kRestOfTarget = 5e-5;    // smaller targets are rounding of a s
 constexpr double kRestShareOfTarget = 0.01;  // the same, of the largest target [-]
 constexpr double kMissedTargets = 4;  // rows that are 1 ms apart see at least one flag of four
 
-double largest_of(const std::vector<double>& values) {
-  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
-}
-
 std::string time_signal(const Reader& run, const Roles& roles) {
   for (const std::string& name : {"monitor." + roles.solver + ".time", roles.time})
     if (run.has(name)) {
@@ -31,14 +27,6 @@ std::string time_signal(const Reader& run, const Roles& roles) {
       if (std::any_of(time.begin(), time.end(), [](double t) { return t != 0; })) return name;
     }
   return "";
-}
-
-// Rows until the end of the test: the solver then takes leave.
-std::size_t rows_of_test(const Reader& run, const Roles& roles) {
-  if (!run.has(roles.new_target)) return run.rows();
-  const auto flag = run.signal(roles.new_target);
-  const auto end = std::find_if(flag.begin(), flag.end(), [](double word) { return word < 0; });
-  return static_cast<std::size_t>(end - flag.begin());
 }
 
 // Number of moves until each row. The solver's own count lacks moves that identify a stiffness.
@@ -59,7 +47,7 @@ double flags_in(const Reader& run, const Roles& roles) {
 
 // Targets of a test. A solver that raises no flag sends none, whatever it writes.
 double targets_in(const Reader& run, const Roles& roles, bool is_counted) {
-  const double targets = largest_of(moves_in(run, roles));
+  const double targets = largest(moves_in(run, roles));
   return is_counted ? targets : std::min(targets, kMissedTargets * flags_in(run, roles));
 }
 
@@ -157,7 +145,7 @@ SolverTime solver_time_of(const Reader& run) {
   solver.is_counted = run.has(roles.monitor_of_controller() + "pc.targets") ||
                       run.has("monitor." + roles.solver + ".step");
   const auto count = moves_in(run, roles);
-  const std::size_t rows = rows_of_test(run, roles);
+  const std::size_t rows = test_rows(run);
   const auto starts = starts_of(count, rows), readings = readings_of(starts, rows);
   const auto time = solver.signal.empty() ? std::vector<double>{} : run.signal(solver.signal);
   for (std::size_t i = 0; i < starts.size(); ++i)
@@ -167,15 +155,15 @@ SolverTime solver_time_of(const Reader& run) {
   return solver;
 }
 
-double reached_in(const Reader& run, const Config& experiment, bool is_completed) {
+double reached_in(const Reader& run, const SolverTime& solver, const Config& experiment,
+                  bool is_completed) {
   const double step = experiment.number("integration_step_s", 0.01);
   const Roles roles = recording::roles_of(run);
-  const SolverTime solver = solver_time_of(run);
   if (!solver.moves.empty() && !solver.signal.empty()) return solver.moves.back().time;
   // A count of OpenSees lacks the trials that repeat the one before, as the first.
   const auto opensees = recording::node_with(experiment.table_or_empty("node"), {"opensees"});
   if (opensees && run.has("monitor." + *opensees + ".step"))
-    return (largest_of(run.signal("monitor." + *opensees + ".step")) + 1) * step;
+    return (largest(run.signal("monitor." + *opensees + ".step")) + 1) * step;
   if (solver.is_counted || run.has(roles.new_target))
     return targets_in(run, roles, solver.is_counted) * step;
   if (is_completed) return experiment.number("duration_s");

@@ -30,8 +30,8 @@ struct SolverTime {
 
 /// Model time that the test reached: of the last target, or else the targets times the step.
 /// @param experiment  of the recording   @param is_completed  the run ended in order
-[[nodiscard]] double reached_in(const recording::Reader& run, const Config& experiment,
-                                bool is_completed);
+[[nodiscard]] double reached_in(const recording::Reader& run, const SolverTime& solver,
+                                const Config& experiment, bool is_completed);
 
 /// Each move advances the solver's time by one integration step.
 /// @param step  in model time [s]
