@@ -50,8 +50,7 @@ std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& tic
   const auto targets = run.signal(monitor + "pc.targets");
   const std::string target_time = monitor + "pc.target_time";
   const auto time = run.has(target_time) ? run.signal(target_time) : std::vector<double>{};
-  const std::string skips = monitor + "host.skipped";
-  const auto skipped = run.has(skips) ? run.signal(skips) : std::vector<double>(time.size(), 0);
+  const auto skipped = ticks.skipped();
   std::vector<budget::Arrival> arrivals;
   std::size_t last = 0;  // ticks made
   for (std::size_t row = 0; row < targets.size(); ++row) {

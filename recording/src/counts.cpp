@@ -35,15 +35,17 @@ NodeTicks::NodeTicks(const Reader& run, const std::string& node)
   count_ = static_cast<std::size_t>(end - stop.begin());
 }
 
+std::vector<double> NodeTicks::skipped() const {
+  const std::string signal = node_ + "host.skipped";
+  return run_.has(signal) ? run_.signal(signal) : std::vector<double>(counter_.size(), 0);
+}
+
 double NodeTicks::interval() const {
   const auto time = at_each_count(counter_, run_.time());
-  auto due = at_each_count(counter_, counter_);
-  if (const auto skips = node_ + "host.skipped"; run_.has(skips)) {
-    const auto skipped = at_each_count(counter_, run_.signal(skips));
-    for (std::size_t i = 0; i < due.size(); ++i) due[i] += skipped[i];
-  }
+  const auto count = at_each_count(counter_, counter_);
+  const auto left_out = at_each_count(counter_, skipped());
   const std::size_t last = count_ - 1;
-  return (time[last] - time[0]) / (due[last] - due[0]);
+  return (time[last] - time[0]) / (count[last] + left_out[last] - (count[0] + left_out[0]));
 }
 
 std::vector<double> NodeTicks::values(const std::string& signal) const {

@@ -27,9 +27,7 @@ double period_of(const std::vector<double>& time, const std::vector<double>& cou
 Ticks::Ticks(const recording::Reader& run, const recording::Roles& roles) : run_{run} {
   if (run.has("monitor." + roles.controller + ".host.step")) {
     ticks_.emplace(run, roles.controller);
-    const std::string skips = "monitor." + roles.controller + ".host.skipped";
-    const auto skipped = run.has(skips) ? run.signal(skips) : std::vector<double>(run.rows(), 0);
-    interval_ = period_of(run.time(), ticks_->counter(), skipped);
+    interval_ = period_of(run.time(), ticks_->counter(), ticks_->skipped());
     return;
   }
   rows_ = run.rows();

@@ -140,6 +140,8 @@ class NodeTicks {
   [[nodiscard]] std::size_t count() const { return count_; }
   /// The node's counter in each row.
   [[nodiscard]] const std::vector<double>& counter() const { return counter_; }
+  /// Steps that the node had skipped, in each row; none in an older recording.
+  [[nodiscard]] std::vector<double> skipped() const;
   /// Mean time from one scheduled step to the next; those that the node skipped count [s].
   [[nodiscard]] double interval() const;
   /// @throws Error if the recording lacks the signal
