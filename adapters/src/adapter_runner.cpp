@@ -14,8 +14,6 @@
 namespace rths::adapters {
 namespace {
 
-constexpr Duration kAwaitedNap = std::chrono::microseconds{50};
-
 enum RunnerPort : std::size_t {
   kStep,
   kStatus,

@@ -26,7 +26,6 @@ namespace rths::launch {
 namespace {
 
 constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
-constexpr Duration kAwaitedNap = std::chrono::microseconds{50};
 constexpr Duration kLongestFarewell = std::chrono::seconds{5};
 
 /// A node of the test; on another host without a runner.
@@ -147,7 +146,7 @@ class VirtualRun {
           next = &other;
     const bool waits = next != nullptr && next->start < runner.due + adapters::kLongestAwaited;
     if (waits)
-      runner.start = std::max(runner.start, next->start) + kAwaitedNap;
+      runner.start = std::max(runner.start, next->start) + adapters::kAwaitedNap;
     else
       runner.runner->give_up_awaiting();
     return waits;

@@ -55,6 +55,7 @@ struct StepTimes {
 
 /// A step waits at most so long for that of an awaited node.
 inline constexpr Duration kLongestAwaited = std::chrono::milliseconds{200};
+inline constexpr Duration kAwaitedNap = std::chrono::microseconds{50};  ///< between two looks at it
 
 /// Monitors that every node writes, at the start of its monitor partition: see `AdapterRunner`.
 [[nodiscard]] std::vector<Port> runner_ports();
