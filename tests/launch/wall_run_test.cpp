@@ -312,9 +312,9 @@ TEST(WallRun, EndsWhenANodeFallsSilent) {
   const test::Finished finished = run.running.wait(20);
 
   EXPECT_EQ(finished.exit_code, 2);
-  EXPECT_NE(finished.err.find(": srmd (process " + std::to_string(pids.at("srmd")) +
-                              ") is silent: held"),
-            std::string::npos)
+  EXPECT_NE(
+      finished.err.find(": srmd (process " + std::to_string(pids.at("srmd")) + ") is silent: held"),
+      std::string::npos)
       << finished.err;
   EXPECT_FALSE(test::is_running(pids.at("srmd")));
   EXPECT_FALSE(run.ring_is_there());
