@@ -60,19 +60,22 @@ void InverseLead::advance(double target, double force, const Pace& pace) noexcep
       clock_smoothing_.smoothed();
   TargetSmoothing::Derivatives sharp = smoothing_.sharpened(smoothed);
   sharp[0] += (1 - pace.lead) * on_path;
+  sharp.tail<TargetSmoothing::kDerivatives - 2>() *= pace.curvature;
   target_ = target;
-  fourth_derivative_ = smoothed[4];
+  fourth_derivative_ = pace.curvature * smoothed[4];
   // The target's motion one lead time after now, from the smoothed one.
   const double delay = smoothing_.delay();
-  const double jerk = smoothed[3], acceleration = smoothed[2] + delay * smoothed[3];
+  const double jerk = pace.curvature * smoothed[3];
+  const double acceleration = pace.curvature * smoothed[2] + delay * jerk;
   const double velocity = smoothed[1] + delay * (smoothed[2] + delay / 2 * smoothed[3]) +
                           settings_.lead_time * acceleration;
   if (const auto sample = forces_(bounded, pace.force_share)) force_rate_ = force_slope_(*sample);
-  const double total = bounded + settings_.lead_time * force_rate_ +
+  const double force_rate = pace.curvature * force_rate_;
+  const double total = bounded + settings_.lead_time * force_rate +
                        settings_.effective_mass * (acceleration + settings_.lead_time * jerk);
   const double used = std::clamp(std::copysign(total, velocity * total) / settings_.force_capacity,
                                  -kLargestLoadShare, kLargestLoadShare);
-  terms_ << sharp.head<4>(), bounded, force_rate_, std::tanh(velocity / settings_.sign_velocity),
+  terms_ << sharp.head<4>(), bounded, force_rate, std::tanh(velocity / settings_.sign_velocity),
       velocity * (1 / std::sqrt(1 - used) - 1);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <rths/core/require.hpp>
 
@@ -14,10 +15,13 @@ namespace {
 constexpr Require kRequireTargetForce{"force at the target"};
 
 constexpr double kLeastReach = 1e-6, kLargestReach = 10;  // the squares of u/r stay finite [m]
-constexpr int kPathPieces = 10;                           // of the way between two targets
 constexpr double kRidge = 1e-3;        // pulls strengths to the prior, of each one's information
 constexpr double kPriorSamples = 300;  // information of the expected strengths
-constexpr double kMeanSquareMemory = 0.25;  // of the mean square speed [s]
+constexpr double kMeanSquareMemory = 0.25;              // of the mean square speed [s]
+constexpr long kMostPieces = 100;                       // of the way between two targets
+constexpr double kSpringReach = 1;                      // beside the assumed specimen [m]
+constexpr double kFirstMove = 0.15, kFirstSpeed = 0.2;  // that scales its force [m], [m/s]
+constexpr double kRestLoad = std::numeric_limits<double>::quiet_NaN();
 
 bool is_finite(const double* values, Eigen::Index count) {
   return std::all_of(values, values + count, [](double v) { return std::isfinite(v); });
@@ -54,6 +58,40 @@ void Sliders::move(const Eigen::VectorXd& step) noexcept {
     z = (shrink * z + ((1 - shrink) * along + t) / length * step) / (1 + along * t);
   }
 }
+
+/// The parts of a force, each of unit strength, in motion.
+class Parts {
+ public:
+  /// @param scale  of the assumed specimen's force [N]
+  Parts(const TargetForceSettings& s, double scale)
+      : sliders_{s.specimen ? std::vector<double>{kSpringReach} : s.reach,
+                 s.specimen ? std::vector<double>{} : s.smooth_reach, s.axes},
+        scale_{scale},
+        at_{Eigen::VectorXd::Zero(s.axes)} {
+    if (!s.specimen) return;
+    specimen_ = s.specimen();
+    states_.setZero(s.axes, 2);
+  }
+  void move(const Eigen::VectorXd& step, const Eigen::VectorXd& velocity, double load) noexcept {
+    sliders_.move(step);
+    if (!specimen_) return;
+    at_ += step;
+    const Eigen::VectorXd& force = specimen_->move(at_, velocity, load);
+    if (is_finite(force.data(), force.size())) states_.col(0) = force / scale_;
+    states_.col(1) = sliders_.states().col(0);
+  }
+  /// axes × parts [-]
+  [[nodiscard]] const Eigen::MatrixXd& states() const {
+    return specimen_ ? states_ : sliders_.states();
+  }
+
+ private:
+  Sliders sliders_;
+  std::unique_ptr<SpecimenModel> specimen_;
+  double scale_;
+  Eigen::VectorXd at_;  ///< from the start [m]
+  Eigen::MatrixXd states_;
+};
 
 /// Least squares with non-negative strengths: one sweep of projected Gauss-Seidel per sample.
 class StrengthFit {
@@ -99,7 +137,28 @@ class StrengthFit {
 
 namespace {
 
-Eigen::VectorXd expected_strengths(const TargetForceSettings& s) {
+// Force of the assumed specimen after a first move of strong motion [N].
+double first_force(SpecimenModel& specimen, const TargetForceSettings& s) {
+  Eigen::VectorXd displacement = Eigen::VectorXd::Zero(s.axes), velocity = displacement;
+  velocity[0] = kFirstSpeed;
+  double force = 0;
+  for (double u = kFirstSpeed * s.period; u <= kFirstMove; u += kFirstSpeed * s.period) {
+    displacement[0] = u;
+    force = specimen.move(displacement, velocity, kRestLoad).norm();
+  }
+  return force;
+}
+
+double scale_of(const TargetForceSettings& s) {
+  if (!s.specimen) return 1;
+  const double force = first_force(*s.specimen(), s);
+  kRequireTargetForce(force > 0 && std::isfinite(force), "force of the assumed specimen", force,
+                      "a positive one [N] after a move of 150 mm");
+  return force;
+}
+
+Eigen::VectorXd expected_strengths(const TargetForceSettings& s, double scale) {
+  if (s.specimen) return Eigen::Vector2d{scale, 0};
   const auto sliders = static_cast<Eigen::Index>(s.reach.size() + s.smooth_reach.size());
   if (s.expected.empty()) return Eigen::VectorXd::Zero(sliders);
   return Eigen::Map<const Eigen::VectorXd>{s.expected.data(), sliders};
@@ -108,29 +167,32 @@ Eigen::VectorXd expected_strengths(const TargetForceSettings& s) {
 }  // namespace
 
 struct TargetForce::State {
-  explicit State(const TargetForceSettings& s)
+  State(const TargetForceSettings& s, double scale)
       : settings{s},
         axes{s.axes},
-        at_target{s.reach, s.smooth_reach, axes},
-        measured{s.reach, s.smooth_reach, axes},
-        leading{s.reach, s.smooth_reach, axes},
-        strengths{expected_strengths(s)},
+        path_pieces{std::clamp(std::lround(s.interval / s.period), 1L, kMostPieces)},
+        at_target{s, scale},
+        measured{s, scale},
+        leading{s, scale},
+        strengths{expected_strengths(s, scale)},
         fit{strengths, axes},
         fused(static_cast<std::size_t>(axes), FusedMotion{s.motion_bandwidth, s.period}) {
-    for (Eigen::VectorXd* v : {&target, &last_target, &displacement, &step, &correction, &force,
-                               &acceleration, &raw, &ahead, &led})
+    for (Eigen::VectorXd* v : {&target, &last_target, &displacement, &step, &velocity, &correction,
+                               &force, &acceleration, &raw, &ahead, &led})
       v->setZero(axes);
   }
 
-  // The way to a new target continues the curvature of the last three.
+  // The way to a new target continues the curvature of the last three, usually a period per piece.
   void follow_target(const double* found) noexcept {
     const Eigen::Map<const Eigen::VectorXd> next{found, axes};
     if ((next - target).isZero(0)) return;
-    for (int i = 0; i < kPathPieces; ++i) {
-      const double a = static_cast<double>(i) / kPathPieces, b = a + 1.0 / kPathPieces;
+    const auto pieces = static_cast<double>(path_pieces);
+    for (long i = 0; i < path_pieces; ++i) {
+      const double a = static_cast<double>(i) / pieces, b = a + 1 / pieces;
       const double bend = (a * (1 - a) - b * (1 - b)) / 2;
       step = (b - a) * (next - target) + bend * (next - 2 * target + last_target);
-      at_target.move(step);
+      velocity = pieces / settings.interval * step;
+      at_target.move(step, velocity, load);
     }
     last_target = target;
     target = next;
@@ -140,12 +202,12 @@ struct TargetForce::State {
     double square = 0;
     for (Eigen::Index i = 0; i < axes; ++i) {
       auto& axis = fused[static_cast<std::size_t>(i)];
-      const double v = axis(raw[i], acceleration[i]);
-      square += v * v;
+      velocity[i] = axis(raw[i], acceleration[i]);
+      square += velocity[i] * velocity[i];
       step[i] = axis.displacement() - displacement[i];
       displacement[i] = axis.displacement();
     }
-    measured.move(step);
+    measured.move(step, velocity, load);
     mean_square_speed += settings.period / kMeanSquareMemory * (square - mean_square_speed);
   }
 
@@ -159,7 +221,8 @@ struct TargetForce::State {
     step = x + t * v + t * t / 2 * a - led;
     if (!step.allFinite()) return;
     led += step;
-    leading.move(step);
+    velocity = v + t * a;
+    leading.move(step, velocity, load);
     ahead.noalias() = leading.states() * strengths;
     for (Eigen::Index i = 0; i < axes; ++i) ahead[i] += fit[strengths.size() + i];
   }
@@ -175,13 +238,14 @@ struct TargetForce::State {
 
   TargetForceSettings settings;
   Eigen::Index axes;
-  Sliders at_target, measured, leading;
+  long path_pieces;  ///< of the way between two targets
+  Parts at_target, measured, leading;
   Eigen::VectorXd strengths;
   StrengthFit fit;
   std::vector<FusedMotion> fused;
-  Eigen::VectorXd target, last_target, displacement, step, correction, force, acceleration, raw,
-      ahead, led;
-  double mean_square_speed = 0;
+  Eigen::VectorXd target, last_target, displacement, step, velocity, correction, force,
+      acceleration, raw, ahead, led;
+  double load = kRestLoad, mean_square_speed = 0;
   bool learning = false, started = false;
   long bad_samples = 0;
 };
@@ -189,6 +253,7 @@ struct TargetForce::State {
 TargetForce::TargetForce(const TargetForceSettings& settings) {
   kRequireTargetForce(settings.axes >= 1, "number of axes", settings.axes, "at least 1");
   kRequireTargetForce.positive("period", settings.period);
+  kRequireTargetForce.positive("interval of the targets", settings.interval);
   kRequireTargetForce(!settings.reach.empty(), "number of sliders", 0, "at least 1");
   for (const auto* sliders : {&settings.reach, &settings.smooth_reach})
     for (const double reach : *sliders)
@@ -204,7 +269,7 @@ TargetForce::TargetForce(const TargetForceSettings& settings) {
   kRequireTargetForce(settings.lead_time >= 0, "lead time", settings.lead_time, "at least 0 s");
   kRequireTargetForce(settings.forgetting > settings.period, "forgetting", settings.forgetting,
                       "more than a period");
-  state_ = std::make_unique<State>(settings);
+  state_ = std::make_unique<State>(settings, scale_of(settings));
 }
 
 TargetForce::~TargetForce() = default;
@@ -217,6 +282,7 @@ void TargetForce::step(const Sample& sample, bool adapt) noexcept {
                     is_finite(sample.acceleration, s.axes);
   const bool has_target = is_finite(sample.target, s.axes);
   if (!good || !has_target) ++s.bad_samples;
+  s.load = sample.axial_load;
   if (good) {
     std::copy_n(sample.displacement, s.axes, s.raw.data());
     std::copy_n(sample.acceleration, s.axes, s.acceleration.data());

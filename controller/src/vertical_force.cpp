@@ -183,7 +183,7 @@ double VerticalForceControl::step(double target, double measured, double horizon
   if (std::isfinite(height)) last_height_ = height;
   const double fade = settings_.inverse.period / kLeadFade;
   lead_ += fade * (path_share * (1 - lead_) - (1 - path_share) * lead_);
-  Pace pace{path_share, path_share, last_height_ - disturbance_, lead_};
+  Pace pace{path_share, 1, path_share, last_height_ - disturbance_, lead_};
   const double reference = inverse_.step(wanted - disturbance_, found, target, 1, adapt, pace);
   pace.in_clock = last_height_;
   return reference + (flow_ ? flow_->step(last_wanted_, last_target_, pace) : 0);

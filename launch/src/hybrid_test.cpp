@@ -78,7 +78,8 @@ void read_block(const Config& block, budget::HybridTest& test) {
   if (type == "predictor_corrector") read_command(block, test);
   if (type == "target_force") {  // of the loop, which has both axes
     test.target_force = adapters::target_force_settings(
-        block, {std::begin(kHorizontal), std::end(kHorizontal)}, test.period);
+        block, {std::begin(kHorizontal), std::end(kHorizontal)}, test.period,
+        test.rate * test.integration_step, &test.specimen_simulated);
     test.target_force_waits =
         block.table_or_empty("in").text("displacement", "").ends_with(".displacement");
   }
@@ -208,6 +209,8 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
     std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
+  test.specimen_simulated = test.specimen_identified = experiment.model;
+  test.machine_simulated = test.machine_identified = experiment.assumed_machine;
   const auto blocks = read_diagram(controller_of(experiment), test);
   const Recorded by{run, ticks, roles};
   if (by.tuned("target_force.enabled", 1) == 0) test.target_force.reset();
@@ -216,8 +219,6 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   const NodeTicks machine{run, roles.machine};
   read_host(experiment, run, ticks, test);
   test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);
-  test.specimen_simulated = test.specimen_identified = experiment.model;
-  test.machine_simulated = test.machine_identified = experiment.assumed_machine;
   return test;
 }
 

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/controller/adaptive_inverse.hpp>
+#include <rths/controller/path_sampler.hpp>
 #include <rths/core/error.hpp>
 
 #include "support/period.hpp"
@@ -224,6 +225,40 @@ TEST(AdaptiveInverse, SendsTheSameReferenceAlongThePathOfATargetThatSlowsDown) {
     last = reference;
   }
   EXPECT_GT(compared, 100);
+}
+
+// A command on time has its whole lead, to the last bit.
+TEST(PaceMeter, LeavesOutCurvatureAfterAWaitAndReturnsToAllOfIt) {
+  PaceMeter meter;
+  const auto pass = [&](int ticks, double lost_time) {
+    Pace pace;
+    for (int i = 0; i < ticks; ++i) pace = meter(lost_time, kPeriod);
+    return pace;
+  };
+  EXPECT_EQ(pass(10, 0).curvature, 1);
+
+  Pace waiting;
+  for (int tick = 1; tick <= 50; ++tick) waiting = pass(1, tick * kPeriod);
+
+  EXPECT_NEAR(waiting.share, 0, 1e-12);
+  EXPECT_NEAR(waiting.curvature, 0.3, 1e-3);
+  EXPECT_NEAR(pass(200, 50 * kPeriod).curvature, 1 - 0.7 * std::exp(-1), 2e-3);
+  EXPECT_EQ(pass(2000, 50 * kPeriod).curvature, 1);
+}
+
+// The velocity is a backward difference, half a period late.
+TEST(AdaptiveInverse, WithoutCurvatureLeadsByVelocityAlone) {
+  AdaptiveInverseSettings settings = linear_settings();
+  AdaptiveInverse inverse{settings};
+  constexpr double kAcceleration = 2;  // [m/s²]
+  double x = 0, reference = 0, velocity = 0;
+  for (int tick = 0; tick < 300; ++tick) {
+    velocity = kAcceleration * tick * kPeriod;
+    x = velocity * velocity / (2 * kAcceleration);
+    reference = inverse.step(x, x, 0, 1, false, {.curvature = 0});
+  }
+  velocity -= kAcceleration * kPeriod / 2;
+  EXPECT_NEAR(reference, settings.initial.a0 * x + settings.initial.a1 * velocity, 1e-6);
 }
 
 TEST(AdaptiveInverse, RefusesSettingsOutOfRange) {

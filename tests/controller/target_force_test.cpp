@@ -182,6 +182,103 @@ TEST(TargetForce, HoldsTheLastSampleThatIsANumber) {
 }
 
 /// An exact machine on the orbit, and the force of its specimen now and one lead time later.
+/// A flat slider with a spring: its friction depends on load and velocity, its stiffness before
+/// sliding on neither.
+class FlatSlider final : public SpecimenModel {
+ public:
+  explicit FlatSlider(double friction) : friction_{friction} {}
+  const Eigen::VectorXd& move(const Eigen::VectorXd& displacement, const Eigen::VectorXd& velocity,
+                              double axial_load) noexcept override {
+    const double load = std::isfinite(axial_load) ? axial_load : kLoadAtRest;
+    const double yield = friction_ * load * (1 - 0.5 * std::exp(-50 * velocity.norm()));
+    elastic_ += kStiffness * (displacement - at_);
+    elastic_ *= std::min(1.0, yield / std::max(elastic_.norm(), 1.0));
+    at_ = displacement;
+    return force_ = elastic_ + kSpring * displacement;
+  }
+  static constexpr double kLoadAtRest = 10e6, kStiffness = 1e9, kSpring = 4e6;  // [N], [N/m]
+
+ private:
+  double friction_;
+  Eigen::VectorXd at_ = Vector2d::Zero(), elastic_ = at_, force_ = at_;
+};
+
+/// The first axis of the orbit, from its start.
+Vector2d line(double t, int derivative) {
+  const double start = derivative == 0 ? orbit(0, 0)[0] : 0;
+  return {orbit(t, derivative)[0] - start, 0};
+}
+
+TargetForceSettings assuming(const MakeSpecimen& specimen) {
+  TargetForceSettings settings;
+  settings.specimen = specimen;
+  return settings;
+}
+
+/// RMS errors of the force of a slider at the targets from 5 s on, with a machine that is 5 ms
+/// late.
+Errors errors_of_a_slider(double friction, const TargetForceSettings& settings) {
+  TargetForce force{settings};
+  FlatSlider real{friction}, wanted{friction};
+  Errors squares;
+  const auto moved = [](FlatSlider& slider, double t) -> Vector2d {
+    const Eigen::VectorXd x = line(t, 0), v = line(t, 1);
+    return slider.move(x, v, FlatSlider::kLoadAtRest);
+  };
+  int count = 0;
+  for (int tick = 0; tick < 12'000; ++tick) {
+    const double t = tick * kPeriod, late = std::max(0.0, t - 0.005);
+    const Vector2d fed = moved(real, late), there = moved(wanted, t);
+    const int ahead = (tick + kTicksPerTarget - 1) / kTicksPerTarget * kTicksPerTarget;
+    const Vector2d target = line(ahead * kPeriod, 0), x = line(late, 0), a = line(late, 2);
+    force.step({target.data(), x.data(), a.data(), fed.data()}, true);
+    if (tick % kTicksPerTarget != 0 || t < 5) continue;
+    squares.corrected += (fed + force.correction() - there).squaredNorm();
+    squares.uncorrected += (fed - there).squaredNorm();
+    ++count;
+  }
+  return {std::sqrt(squares.corrected / count), std::sqrt(squares.uncorrected / count)};
+}
+
+// The assumed friction is a tenth too low. A slider of the assumed reach knows no velocity.
+TEST(TargetForce, FollowsTheAssumedSpecimenMuchCloserThanASlider) {
+  TargetForceSettings slider;
+  slider.reach = {1e-3, 1.0};
+  slider.smooth_reach = {};
+  const Errors by_slider = errors_of_a_slider(0.11, slider);
+  const Errors found =
+      errors_of_a_slider(0.11, assuming([] { return std::make_unique<FlatSlider>(0.10); }));
+
+  EXPECT_LT(found.corrected, 0.2 * found.uncorrected);
+  EXPECT_LT(found.corrected, 0.5 * by_slider.corrected);
+}
+
+TEST(TargetForce, KnowsTheStiffnessOfTheAssumedSpecimenFromTheStart) {
+  TargetForce force{assuming([] { return std::make_unique<FlatSlider>(0.1); })};
+  const Vector2d zero = Vector2d::Zero(), target{1e-7, 0};
+  force.step({zero.data(), zero.data(), zero.data(), zero.data()}, true);
+  force.step({target.data(), zero.data(), zero.data(), zero.data()}, true);
+
+  EXPECT_NEAR(force.correction()[0], 1e-7 * (FlatSlider::kStiffness + FlatSlider::kSpring), 1e-3);
+}
+
+// Where both friction and motion are large, the correction is twice the friction at this load.
+TEST(TargetForce, OfAnAssumedSpecimenHasTheMeasuredLoad) {
+  const auto correction_under = [](double load) {
+    TargetForce force{assuming([] { return std::make_unique<FlatSlider>(0.1); })};
+    const Vector2d zero = Vector2d::Zero(), target{0.02, 0};
+    for (const Vector2d* wanted : {&zero, &target})
+      force.step(
+          {wanted->data(), zero.data(), zero.data(), zero.data(), nullptr, nullptr, nullptr, load},
+          true);
+    return force.correction()[0];
+  };
+  const double spring = 0.02 * FlatSlider::kSpring;
+
+  EXPECT_NEAR(correction_under(5e6) - spring, 0.1 * 5e6, 1e3);
+  EXPECT_NEAR(correction_under(std::numeric_limits<double>::quiet_NaN()) - spring, 0.1 * 10e6, 1e3);
+}
+
 struct LeadingRun {
   TargetForce force;
   Specimen now, later;
@@ -278,6 +375,35 @@ TEST(TargetForce, IsFitForRealTime) {
         true));
   }
   EXPECT_TRUE(force.learning());
+}
+
+TEST(TargetForce, OfAnAssumedSpecimenIsFitForRealTime) {
+  TargetForceSettings settings = assuming([] { return std::make_unique<FlatSlider>(0.1); });
+  settings.lead_time = 0.015;
+  TargetForce force{settings};
+  const Vector2d zero = Vector2d::Zero();
+  for (int tick = 0; tick < 500; ++tick) {
+    const Vector2d at = orbit(tick * kPeriod, 0), fed = 1e6 * at;
+    EXPECT_REALTIME(force.step(
+        {at.data(), at.data(), zero.data(), fed.data(), at.data(), zero.data(), zero.data()},
+        true));
+  }
+  EXPECT_GT(force.ahead().norm(), 0);
+}
+
+TEST(TargetForce, RefusesASpecimenWithoutForce) {
+  struct Nothing final : SpecimenModel {
+    const Eigen::VectorXd& move(const Eigen::VectorXd&, const Eigen::VectorXd&,
+                                double) noexcept override {
+      return none;
+    }
+    Eigen::VectorXd none = Vector2d::Zero();
+  };
+
+  EXPECT_EQ(
+      test::error_of([&] { TargetForce{assuming([] { return std::make_unique<Nothing>(); })}; }),
+      "force at the target: force of the assumed specimen is 0, expected a positive one [N] "
+      "after a move of 150 mm");
 }
 
 TEST(TargetForce, RefusesWrongSettings) {

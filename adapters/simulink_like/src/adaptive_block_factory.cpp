@@ -53,9 +53,12 @@ Block make_table_force_observer(const Config& table, const BlockContext& context
 }
 
 Block make_target_force(const Config& table, const BlockContext& context) {
-  const auto settings = target_force_settings(table, context.run.axes, context.period);
+  const Config inputs = table.table_or_empty("in");
+  const auto settings =
+      target_force_settings(table, context.run.axes, context.period, context.run.simulation_step,
+                            context.run.specimen.get());
   for (const char* input : {"command", "command_velocity", "command_acceleration"})
-    if (settings.lead_time > 0 && !table.table_or_empty("in").has(input))
+    if (settings.lead_time > 0 && !inputs.has(input))
       table.fail("lead_time_s", std::string{"lead_time_s needs the input '"} + input + "'");
   Block block;
   block.inputs = {{"target", kPerAxis, "m"},
@@ -64,7 +67,8 @@ Block make_target_force(const Config& table, const BlockContext& context) {
                   {"force", kPerAxis, "N"},
                   {"command", kPerAxis, "m", true},
                   {"command_velocity", kPerAxis, "m/s", true},
-                  {"command_acceleration", kPerAxis, "m/s2", true}};
+                  {"command_acceleration", kPerAxis, "m/s2", true},
+                  {"axial_load", kSingle, "N", true}};
   block.outputs = {{"force", kPerAxis, "N"},      {"correction", kPerAxis, "N"},
                    {"strength", kSingle, "N"},    {"learning", kSingle, "1"},
                    {"bad_samples", kSingle, "1"}, {"ahead", kPerAxis, "N"},
@@ -73,7 +77,7 @@ Block make_target_force(const Config& table, const BlockContext& context) {
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {
     return TargetForceBlock{controller::TargetForce{settings}, Fade{context.period / kFadeTime},
-                            settings.lead_time > 0};
+                            settings.lead_time > 0, inputs.has("axial_load")};
   });
   return block;
 }

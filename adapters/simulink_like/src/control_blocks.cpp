@@ -2,6 +2,7 @@
 #include "control_blocks.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace rths::adapters {
 namespace {
@@ -91,9 +92,9 @@ void AdaptiveInverseBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
   const bool adapt = *w.parameter[1] != 0;
   // The force ahead is that of the last tick's command.
-  const double now = pace(*w.in[3], period);
-  const controller::Pace progress{now, *w.in[4] != 0 ? last_share : 1};
-  last_share = now;
+  controller::Pace progress = pace(*w.in[3], period);
+  progress.force_share = *w.in[4] != 0 ? last_share : 1;
+  last_share = progress.share;
   for (std::size_t i = 0; i < compensators.size(); ++i) {
     auto& inverse = compensators[i];
     w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt, progress);
@@ -142,7 +143,9 @@ void TableForceObserverBlock::step(const Wires& w) noexcept {
 
 void TargetForceBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
-  force.step({w.in[0], w.in[1], w.in[2], w.in[3], w.in[4], w.in[5], w.in[6]}, *w.parameter[1] != 0);
+  const double load = knows_load ? *w.in[7] : std::numeric_limits<double>::quiet_NaN();
+  force.step({w.in[0], w.in[1], w.in[2], w.in[3], w.in[4], w.in[5], w.in[6], load},
+             *w.parameter[1] != 0);
   for (std::size_t i = 0; i < w.axes; ++i) {
     const double correction = share * force.correction()[static_cast<Eigen::Index>(i)];
     w.out[0][i] = w.in[3][i] + correction;
@@ -161,7 +164,7 @@ void VerticalForceBlock::step(const Wires& w) noexcept {
   const double wanted = is_cascade ? cascade.step(target, measured)
                                    : lead.step(target, measured, length_of(w.in[2], w.axes),
                                                length_of(w.in[3], w.axes), *w.parameter[0] != 0,
-                                               pace(*w.in[4], period));
+                                               pace(*w.in[4], period).share);
   if (!first) first = wanted;
   *w.out[0] = std::clamp(wanted - *first, -limit, limit);
   *w.out[1] = lead.disturbance();

@@ -87,7 +87,8 @@ struct TableForceObserverBlock {
 struct TargetForceBlock {
   controller::TargetForce force;
   Fade fade;
-  bool leads;  ///< false: the force ahead is the measured one
+  bool leads;       ///< false: the force ahead is the measured one
+  bool knows_load;  ///< false: the specimen bears its load at rest
   void step(const Wires& w) RTHS_REALTIME;
 };
 

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/assumed_specimen.hpp>
+
 namespace rths::adapters {
 namespace {
 
@@ -132,10 +134,15 @@ std::vector<controller::AdaptiveInverseSettings> adaptive_inverse_settings(
 
 controller::TargetForceSettings target_force_settings(const Config& table,
                                                       const std::vector<std::string>& axes,
-                                                      double period) {
+                                                      double period, double interval,
+                                                      const sim::Bearing* specimen) {
   controller::TargetForceSettings settings;
   settings.axes = static_cast<int>(axes.size());
   settings.period = period;
+  settings.interval = interval;
+  const bool has_sliders = table.has("reach_m") || table.has("smooth_reach_m");
+  if (specimen != nullptr && !has_sliders && !table.has("expected_strengths_N"))
+    settings.specimen = assumed_specimen(*specimen, axes, period);
   settings.reach = table.numbers("reach_m", settings.reach);
   settings.smooth_reach = table.numbers("smooth_reach_m", settings.smooth_reach);
   settings.expected = table.numbers("expected_strengths_N", {});

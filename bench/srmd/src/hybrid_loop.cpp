@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <rths/adapters/block_settings.hpp>
-#include <rths/adapters/specimen_sliders.hpp>
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/force_observer.hpp>
@@ -194,11 +193,8 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal, const 
     inverse[axis].largest_reference = nominal.limits.stroke[i];
   }
   auto target_force =
-      adapters::target_force_settings(constants.table("target_force"), axes, kPeriod);
-  const auto sliders = adapters::sliders_of(nominal.specimen);
-  target_force.reach = sliders.sharp;
-  target_force.smooth_reach = sliders.smooth;
-  target_force.expected = sliders.strengths;
+      adapters::target_force_settings(constants.table("target_force"), axes, kPeriod,
+                                      kIntegrationStep, &nominal.specimen);
   return {
       "inverse", 0,
       ForceCorrection{

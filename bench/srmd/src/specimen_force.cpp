@@ -41,7 +41,7 @@ void SpecimenForce::step(const sim::machine::PlatenFeedback& feedback,
   at_target_ = ahead_ = force;
   if (!target_force_) return;
   target_force_->step({target.data(), displacement.data(), acceleration.data(), force.data(),
-                       x.data(), v.data(), a.data()},
+                       x.data(), v.data(), a.data(), feedback.force[2]},
                       true);
   at_target_ += target_force_->correction();
   if (leads_) ahead_ = target_force_->ahead();

@@ -13,24 +13,31 @@ namespace rths::controller {
 /// passes less than a period of its command's path.
 struct Pace {
   double share = 1;        ///< of a period, 0…1
+  double curvature = 1;    ///< share of the second and higher derivatives in a lead, 0…1
   double force_share = 1;  ///< of the force beside it; 1 if that is measured
   double in_clock = 0;     ///< part of the signal that follows the clock, not the path
   double lead = 1;         ///< share of the lead of the part along the path, 0…1
 };
 
-/// Pace of a command from its lost time.
+/// Pace of a command from its lost time. The targets after a late one are rougher: its lead leaves
+/// out most of their high derivatives, until the response has come to rest.
 class PaceMeter {
  public:
   /// @param lost_time  of the predictor-corrector [s]   @param period  of the ticks [s]
-  /// @returns the share of a period, 0…1   @realtime
-  double operator()(double lost_time, double period) RTHS_REALTIME {
+  /// @returns share and curvature   @realtime
+  Pace operator()(double lost_time, double period) RTHS_REALTIME {
     const double share = std::clamp(1 - (lost_time - last_) / period, 0.0, 1.0);
     last_ = lost_time;
-    return share;
+    left_out_ += (1 - share) * period / kFall * (kMostLeftOut - left_out_);
+    left_out_ -= share * period / kRise * left_out_;
+    if (left_out_ < kNegligible) left_out_ = 0;
+    return {share, 1 - left_out_};
   }
 
  private:
-  double last_ = 0;
+  static constexpr double kFall = 0.005, kRise = 0.2;  // time constants [s]
+  static constexpr double kMostLeftOut = 0.7, kNegligible = 1e-3;
+  double last_ = 0, left_out_ = 0;  // of the curvature
 };
 
 /// Samples a signal at equal intervals of its path. At full pace these are the values of the ticks.

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include <rths/controller/specimen_model.hpp>
 #include <rths/core/realtime.hpp>
 
 namespace rths::controller {
@@ -32,7 +33,10 @@ class Sliders {
 
 struct TargetForceSettings {
   int axes = 2;
-  double period = 1e-3;  ///< of the samples [s]
+  double period = 1e-3;    ///< of the samples [s]
+  double interval = 0.01;  ///< between two targets [s]
+  /// The assumed specimen, which takes the place of the sliders; empty: sliders.
+  MakeSpecimen specimen;
   /// Displacements at which the sharp sliders slip [m]. The last one stands for a spring.
   std::vector<double> reach{0.5e-3, 1e-3, 2e-3, 3e-3, 4.5e-3, 7e-3, 12e-3, 1.0};
   /// The same of the smooth sliders [m].
@@ -51,11 +55,12 @@ struct TargetForceSettings {
 /// Corrects the specimen's force for the tracking error. The force was measured at the measured
 /// displacement x_m, but the integrator needs it at its target x:
 ///     F(x) = F_m + Σ Q_j (z_j(x) − z_j(x_m)),    Q_j ≥ 0
-/// Sliders z_j, sharp and smooth, follow both motions. Their strengths Q_j, one set for all axes,
-/// are learnt from the measured force and motion by least squares with forgetting. A specimen whose
-/// force the sliders describe returns exactly the force at its target.
+/// The parts z_j follow both motions: the assumed specimen, scaled to a force of 1 on a first move,
+/// and a spring beside it, or else sliders, sharp and smooth. Their strengths Q_j, one set for all
+/// axes, are learnt from the measured force and motion by least squares with forgetting. A specimen
+/// whose force the parts describe returns exactly the force at its target.
 ///
-/// The same sliders state the force one lead time τ ahead, free of sensor noise:
+/// The same parts state the force one lead time τ ahead, free of sensor noise:
 ///     F(t + τ) = Σ Q_j z_j(x + τẋ + τ²ẍ/2) + the learnt offset of the measured force
 class TargetForce {
  public:
@@ -74,6 +79,8 @@ class TargetForce {
     const double* command = nullptr;               ///< [m]
     const double* command_velocity = nullptr;      ///< [m/s]
     const double* command_acceleration = nullptr;  ///< [m/s²]
+    /// Compression of the specimen [N]; not a number: that at rest.
+    double axial_load = std::numeric_limits<double>::quiet_NaN();
   };
   /// A sample with a value that is not finite repeats the last good one and is not learnt from.
   /// @param adapt  false: the strengths are frozen   @realtime

@@ -10,6 +10,7 @@
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/retreat.hpp>
 #include <rths/core/config.hpp>
+#include <rths/sim/bearing.hpp>
 
 namespace rths::adapters {
 
@@ -25,6 +26,8 @@ struct DiagramContext {
   Retreat retreat;  ///< of ring outputs that ramp when the run stops
   /// Unit of each signal of the laboratory's map; empty: no map is known, signals are not checked.
   std::map<std::string, std::string> signal_units = {};  // NOLINT: g++ needs the initializer
+  /// The specimen as the test assumes it; null: none is known.
+  std::shared_ptr<const sim::Bearing> specimen = {};  // NOLINT: g++ needs the initializer
   /// File of values that replace those of the diagram's blocks; empty: none.
   std::filesystem::path constants = {};  // NOLINT: g++ needs the initializer
   /// Tables of the experiment that do the same, with priority.

@@ -11,6 +11,7 @@
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_force.hpp>
 #include <rths/core/config.hpp>
+#include <rths/sim/bearing.hpp>
 
 // Settings of a diagram's blocks, for the target that runs them and for the budget that replays
 // them.
@@ -57,9 +58,12 @@ static_assert(std::size(kInverseCoefficients) == controller::InverseLead::kTerms
     const Config& table, const std::vector<std::string>& axes, double period);
 
 /// Of a block `target_force`.
-/// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
+/// @param period    of the block [s]   @param interval  between two targets [s]
+/// @param specimen  as the test assumes it; null, or sliders in the table: the force of sliders
+/// @throws Error with the place of a wrong value   @setup
 [[nodiscard]] controller::TargetForceSettings target_force_settings(
-    const Config& table, const std::vector<std::string>& axes, double period);
+    const Config& table, const std::vector<std::string>& axes, double period, double interval,
+    const sim::Bearing* specimen);
 
 /// Of a block `force_observer`.
 struct ForceObserverSettings {
