@@ -217,10 +217,11 @@ void Writer::File::note_changes(Duration at, std::span<const double> row) {
     }
     last_values[i] = value;
   }
+  // A row that comes a little late has a few more of several steps, and the next one fewer.
   for (auto& counter : counters) {
     const double count = row[counter.column];
-    const double skipped = count - counter.last - counter.per_row;
-    if (counter.last > 0 && skipped > 0.5) counter.drops += std::lround(skipped);
+    const double missing = std::floor((count - counter.last) / counter.per_row) - 1;  // rows
+    if (counter.last > 0 && missing > 0) counter.drops += std::lround(missing * counter.per_row);
     counter.last = count;
   }
 }

@@ -42,6 +42,7 @@ using Break = std::optional<Broken>;
 struct Wire {
   const RecordedSignal *from, *to;
   std::size_t latest;  ///< longest transfer [ticks]
+  bool is_copy;        ///< false: a word that is held for a step
   double bound;        ///< of the difference, RMS over that of the word [-]
   double least;        ///< standard deviation of a word that is judged
 };

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -18,6 +19,7 @@ using recording::NodeTicks;
 using recording::Reader;
 using recording::Roles;
 
+constexpr std::size_t kPiece = 20;      // with one delay of a copy [ticks]
 constexpr std::size_t kSmoothing = 10;  // ticks to either side: less noise in the model's velocity
 
 RecordedSignal word(const Reader& run, const NodeTicks& ticks, const std::string& name) {
@@ -176,6 +178,25 @@ Fit fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
     if (delay == 0 || f.difference < best.difference) best = f;
   }
   return best;
+}
+
+Fit fit_copy(const RecordedSignal& reference, const RecordedSignal& response, const Window& window,
+             std::size_t latest) {
+  std::vector<double> aligned;
+  for (std::size_t begin = window.begin; begin + kPiece + latest <= window.end; begin += kPiece) {
+    const auto sent = part(reference.values, {begin, begin + kPiece});
+    std::span<const double> closest;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t delay = 0; delay <= latest; ++delay) {
+      const auto found = part(response.values, {begin + delay, begin + kPiece + delay});
+      double apart = 0;
+      for (std::size_t i = 0; i < kPiece; ++i) apart += std::abs(found[i] - sent[i]);
+      if (apart < least) closest = found;
+      least = std::min(least, apart);
+    }
+    aligned.insert(aligned.end(), closest.begin(), closest.end());
+  }
+  return fit(part(reference.values, {window.begin, window.begin + aligned.size()}), aligned);
 }
 
 Evidence gather(const Reader& run, const Config& experiment) {

@@ -76,6 +76,11 @@ struct Fit {
 [[nodiscard]] Fit fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
                               const Window& window, std::size_t latest);
 
+/// The same of a copy, whose delay changes by a tick when a node is a part of a tick late: for each
+/// 20 ticks the delay of up to `latest` with the smallest difference.
+[[nodiscard]] Fit fit_copy(const RecordedSignal& reference, const RecordedSignal& response,
+                           const Window& window, std::size_t latest);
+
 [[nodiscard]] double largest_magnitude(std::span<const double> values);
 
 }  // namespace rths::report

@@ -102,9 +102,9 @@ std::vector<Wire> wires_of(const AxisEvidence& axis, const Evidence& all, const 
   const double force = kLeastForce * axis.limits.force;
   std::vector<Wire> wires;
   for (const Wire& wire :
-       {Wire{&axis.reference, &axis.echo, kTransfer, bounds.motion, bounds.resolution},
-        Wire{&axis.target, &axis.command, step, kHold, 2 * bounds.resolution},
-        Wire{&axis.sent_force, &axis.answer, step, kHold, force}})
+       {Wire{&axis.reference, &axis.echo, kTransfer, true, bounds.motion, bounds.resolution},
+        Wire{&axis.target, &axis.command, step, false, kHold, 2 * bounds.resolution},
+        Wire{&axis.sent_force, &axis.answer, step, false, kHold, force}})
     if (wire.from->is_recorded() && wire.to->is_recorded()) wires.push_back(wire);
   return wires;
 }
@@ -112,7 +112,8 @@ std::vector<Wire> wires_of(const AxisEvidence& axis, const Evidence& all, const 
 Break wire_of(const Wire& wire, const Evidence& all) {
   for (const auto& window : windows(all, kSecond)) {
     if (window.end - window.begin <= 2 * wire.latest) return {};
-    const Fit best = fit_delayed(*wire.from, *wire.to, window, wire.latest);
+    const Fit best =
+        (wire.is_copy ? fit_copy : fit_delayed)(*wire.from, *wire.to, window, wire.latest);
     const double larger = std::max(best.reference, best.response);
     if (larger <= wire.least || best.difference <= wire.bound * larger) continue;
     return Broken{"wire", all.time[window.begin], wire.to->name, proportion(best, wire.from->name),

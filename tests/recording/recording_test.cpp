@@ -102,6 +102,22 @@ TEST(Recording, CountsNoStepWithoutARowOfNodesSlowerOrSlightlyFasterThanTheRows)
   }
 }
 
+// Of a node with four steps per row, a late row has a few more and the next one fewer.
+TEST(Recording, CountsOnlyTheStepsOfMissingRows) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  Writer writer = open_writer(file, 4);
+  int step = 1;
+  for (const int steps : {0, 4, 5, 3, 4, 7, 1, 4, 8, 4, 13, 4}) {
+    auto values = row(step);
+    values[2] = step += steps;
+    writer.append(time_of(step), values);
+  }
+  writer.close();
+
+  EXPECT_EQ(Reader{file}.drops()[0].second, 4 + 8);  // of one row and of two
+}
+
 TEST(Recording, CanBeReadWhileItGrows) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "run.h5";
