@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <deque>
 #include <memory>
 #include <random>
 
@@ -301,6 +302,21 @@ class Recording : public ::testing::Test {
 
 TEST_F(Recording, IsConclusiveUnchanged) {
   EXPECT_EQ(judged_with([](double, Row&) { return true; }), "");
+}
+
+// A node that is late by part of a tick reads the word of the tick before. The reference is rough:
+// here it also jumps by up to 0.5 mm from tick to tick.
+TEST_F(Recording, IsConclusiveIfTheEchoOfTheReferenceIsATickLateAtTimes) {
+  std::deque<double> sent{0, 0};
+  const auto found = judged_with([&](double time, Row& row) {
+    row[kReference] += 5e-4 * std::sin(2.1 * std::round(1e3 * time));
+    sent.push_back(row[kReference]);
+    sent.pop_front();
+    row[kEcho] = std::fmod(time, 0.5) < 0.25 ? sent.front() : sent.back();
+    return true;
+  });
+
+  EXPECT_EQ(found, "");
 }
 
 TEST_F(Recording, IsNotConclusiveIfItEndsEarly) {
