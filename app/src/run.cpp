@@ -134,16 +134,6 @@ Diagnosed diagnose(const RunArguments& arguments, const std::filesystem::path& f
   }
 }
 
-// The recording is complete, so a failure is printed only.
-void run_numerical(const launch::Experiment& experiment, const std::filesystem::path& file) {
-  try {
-    launch::run_numerical(experiment, file, version());
-  } catch (const Error& error) {
-    stop_if_interrupted();
-    write_message(fmt::format("rths: no numerical result: {}\n", error.what()));
-  }
-}
-
 int print(const report::ReportOutcome& written) {
   fmt::print("report    {}\nnumbers   {}\n{}", written.page.string(), written.numbers.string(),
              written.summary);
@@ -169,6 +159,7 @@ class Companions {
       compress(file);
       return true;
     } catch (const Error& error) {
+      stop_if_interrupted();
       trouble_ += fmt::format("rths: no {}: {}\n", what, error.what());
       return false;
     }
@@ -197,7 +188,8 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   });
   steps->begin("the numerical result");
   const auto numerical = folder / report::kNumericalFile;
-  companions.make("numerical result", numerical, [&] { run_numerical(experiment, numerical); });
+  companions.make("numerical result", numerical,
+                  [&] { launch::run_numerical(experiment, numerical, version()); });
   stop_if_interrupted();
   bool is_proved = has_held_out;
   if (has_held_out) {

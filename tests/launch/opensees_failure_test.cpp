@@ -48,6 +48,26 @@ TEST_F(OpenSeesRun, SaysThatAScriptCannotStart) {
       << finished.err;
 }
 
+// The test is complete with its report, but the numerical result, its second run, is missing.
+TEST_F(OpenSeesRun, FailsIfTheScriptCannotRunASecondTime) {
+  const auto script = folder_.write(
+      "once.py", fmt::format("import pathlib, runpy, sys\n"
+                             "mark = pathlib.Path(__file__).with_suffix('.mark')\n"
+                             "if mark.exists():\n    sys.exit('there is one licence')\n"
+                             "mark.touch()\n"
+                             "runpy.run_path('{}', run_name='__main__')\n",
+                             (test::source_tree() / "tests/opensees/fated.py").string()));
+
+  const auto finished =
+      run(experiment({kIdeal, script, fmt::format(R"("{}", "leave", "{}")", port_, steps())}),
+          "virtual");
+
+  EXPECT_EQ(finished.exit_code, 1) << finished.err;
+  EXPECT_NE(finished.err.find("rths: no numerical result: "), std::string::npos) << finished.err;
+  EXPECT_NE(finished.err.find("there is one licence"), std::string::npos) << finished.err;
+  EXPECT_TRUE(std::filesystem::exists(out() / "report.json"));
+}
+
 TEST_F(OpenSeesRun, SaysThatAnOlderControllerWaitsForItsFirstTarget) {
   const auto finished =
       run(experiment({"[node.xpc]\nadapter = \"echo\"\nhandshake = \"target_first\"\n"
