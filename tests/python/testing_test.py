@@ -235,3 +235,33 @@ def test_nothing_is_left_of_a_test_that_passed(pytester):
     assert name not in rths.ring_names()
     assert not os.path.exists(f"/proc/{pid}")
     assert not (pytester.path / "out").exists()
+
+
+# The last moment of a test: it has passed, and nothing looks at the ring any more.
+def test_a_foreign_store_fails_a_test_that_passed(pytester):
+    pytester.makepyfile(thief="""
+        import ctypes, pathlib, sys, time
+        import rths
+
+        with rths.attach(sys.argv[1]) as ring, ring.join("solver", plain=True) as node:
+            ctypes.c_float.from_address(node.view("machine").ctypes.data).value = 12.5
+            pathlib.Path("stored").touch()
+            time.sleep(60)
+    """)
+    pytester.makepyfile(f"""
+        import pathlib, sys, time
+
+        def test_is_robbed(rths_lab):
+            rths_lab({str(TWO_SIGNALS)!r}).start([sys.executable, "thief.py", "{{ring}}"], name="thief")
+            end = time.monotonic() + 20
+            while not pathlib.Path("stored").exists() and time.monotonic() < end:
+                time.sleep(0.01)
+
+        def test_is_left_alone(rths_lab):
+            rths_lab({str(TWO_SIGNALS)!r}).join("solver").write("solver.displacement", 0.1)
+    """)
+
+    result = pytester.runpytest_subprocess("-p", "rths.testing", timeout=60)
+
+    result.assert_outcomes(passed=1, failed=1)
+    result.stdout.fnmatch_lines(["*machine.force: stored as 12500 N by * expected stores by its owner machine alone*"])
