@@ -48,8 +48,8 @@ int check_recording(const std::string& file) {
   return kOk;
 }
 
-int check_experiment(const std::string& file) {
-  const auto experiment = load_experiment(file);
+int check_experiment(const std::string& file, const launch::Overrides& changes) {
+  const auto experiment = load_experiment(file, changes);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   launch::check_assembly(experiment);
   check_sizes(experiment);
@@ -163,6 +163,19 @@ bool has_value(const Config& config, const char* key) {
   return config.has(key) && !config.is_table(key);
 }
 
+// A scenario of cards has a list of nodes. A file with tables of nodes alone lacks its format.
+bool is_experiment(const Config& config) {
+  for (const char* other : {"ringmap", "diagram", "bearing", "record", "channels", "run"})
+    if (config.has(other)) return false;
+  return !has_value(config, "node") && (config.has("format") || config.has("node"));
+}
+
+int check_changed(const std::string& file, const launch::Overrides& changes) {
+  if (!is_experiment(Config::load(file)))
+    throw Error{file + ": is no experiment, expected one with --set"};
+  return check_experiment(file, changes);
+}
+
 int check_toml(const std::string& file) {
   const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
@@ -170,7 +183,7 @@ int check_toml(const std::string& file) {
   if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("record") || config.has("channels") || config.has("run")) return check_case(file);
   if (has_value(config, "node")) return check_scenario(file);
-  if (config.has("format") || config.has("node")) return check_experiment(file);
+  if (is_experiment(config)) return check_experiment(file, {});
   if (has_value(config, "safety")) return check_limits(file);
   if (has_value(config, "machine")) return check_machine(file, config);
   if (config.has("specimen") || config.has("machine")) return check_improvement(file, config);
@@ -214,6 +227,7 @@ bool looks_like_toml(const std::string& line) {
 int check(const CheckArguments& arguments) {
   const auto& file = arguments.file;
   if (!arguments.address.empty()) return check_server(arguments);
+  if (!arguments.changes.empty()) return check_changed(file, arguments.changes);
   if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
   check_is_file(file);
   if (plugin::is_library(file) || std::filesystem::path{file}.extension() == ".py")

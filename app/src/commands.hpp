@@ -59,6 +59,7 @@ struct CheckArguments {
   bool udp = false;     ///< of a server, as the next two
   int dofs = 1;
   double amplitude = 0;  ///< of trials, in the server's units
+  Changes changes;       ///< of an experiment
 };
 [[nodiscard]] int check(const CheckArguments& arguments);
 [[nodiscard]] int check_plugin(const std::string& file, const std::string& config);

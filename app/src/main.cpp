@@ -137,7 +137,14 @@ void add_check(CLI::App& app, Arguments& a, Chosen& chosen) {
                    "Trial displacement of a server, in its units [0: it stays at rest]")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--udp", a.check.udp, "The server uses UDP");
-  command->callback([&] { chosen = [&a] { return check(a.check); }; });
+  command
+      ->add_option("--set", a.sets, "Override a key of the experiment, as in rths run: key=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->callback([&] {
+    a.check.changes = split_changes(a.sets);
+    chosen = [&a] { return check(a.check); };
+  });
 }
 
 void add_export(CLI::App& app, Arguments& a, Chosen& chosen) {
