@@ -47,6 +47,20 @@ TEST(Srmd, AnswersItsVerticalAndUserWords) {
   EXPECT_GT(bench.out("srmd.lift.pressure.fbk"), 0);
 }
 
+TEST(Srmd, LoadsAnEmptyTableThroughRollersOnly) {
+  for (const bool has_rollers : {true, false}) {
+    SrmdSettings s = srmd_settings();
+    s.machine.has_specimen = false;
+    s.machine.has_rollers = has_rollers;
+    const auto machine = make_srmd(s);
+    test::Bench bench{*machine};
+    bench.in("xpc.compression.force.ref") = 9e6;
+    for (int i = 0; i < 2000; ++i) static_cast<void>(bench.step(0.001 * i));
+
+    EXPECT_NEAR(bench.out("srmd.compression.force.fbk"), has_rollers ? 9e6 : 0, 1e3);
+  }
+}
+
 TEST(Srmd, ClampsItsLoadToTheVerticalCapacity) {
   const auto machine = make_srmd(srmd_settings());
   test::Bench bench{*machine};

@@ -126,7 +126,10 @@ Eigen::Vector2d Srmd::reference(const StepData& step) noexcept {
 
 Status Srmd::step(StepData& step) noexcept {
   const Eigen::Vector2d now = reference(step);
-  const double reference_load = std::min(step.inputs[kRefCompression], sim::kVerticalCapacity);
+  // An empty table without rollers has nothing to press on.
+  const bool is_loaded = settings_.machine.has_specimen || settings_.machine.has_rollers;
+  const double reference_load =
+      is_loaded ? std::min(step.inputs[kRefCompression], sim::kVerticalCapacity) : 0;
   compression_ += (reference_load - compression_) * settings_.period /
                   (settings_.period + settings_.compression_time_constant);
   const Status status = machine_.step(now, compression_, feedback_);
