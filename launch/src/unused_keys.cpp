@@ -77,8 +77,8 @@ void check_solver(const Config& file, const Experiment& experiment) {
     refuse({"model_computing_time", "computing_time_s", "computing_time_spread", "overrun_fraction",
             "overrun_s"},
            "the computing time of no node is modelled");
-  if (!table.has("overrun_fraction"))
-    refuse({"overrun_s"}, "no step takes longer, expected overrun_fraction too");
+  if (experiment.computing_time.overrun_fraction == 0)
+    refuse({"overrun_s"}, "no step takes longer, expected overrun_fraction above 0 too");
 }
 
 void check_vertical(const Config& file, const Experiment& experiment) {
@@ -100,6 +100,39 @@ void check_network(const Config& file, const Experiment& experiment) {
   const Config table = file.table_or_empty("network");
   for (const auto& key : table.keys())
     fail_unused(table, "network", key, "the test runs on one host, expected tables [host.…]");
+}
+
+bool is_random(const Experiment& experiment) {
+  const bool has_random_time =
+      any_node(experiment, &NodeSettings::has_computing_time) &&
+      (experiment.model_computing_time || any_node(experiment, &NodeSettings::integrates_plant));
+  const NodePlan* machine = machine_of(experiment);
+  const bool has_noise =
+      machine != nullptr && machine->settings.machine_table >= MachineTable::Carriage;
+  return has_random_time || has_noise || experiment.history || experiment.cards;
+}
+
+void check_seed(const Config& file, const Experiment& experiment) {
+  if (file.has("seed") && !is_random(experiment))
+    file.fail("seed",
+              "seed has no effect: no noise, computing time or card of this test is simulated");
+}
+
+// The same file serves tests along one axis and along both.
+void remark_untested(const Config& file, Experiment& experiment) {
+  std::vector<std::string> unused;
+  for (const char* name : {"motion", "held_out"}) {
+    const Config table = file.table_or_empty(name);
+    for (const std::string axis : {"long", "lat"}) {
+      if (contains(experiment.axes, axis)) continue;
+      if (table.has("column_" + axis)) unused.push_back(fmt::format("{}.column_{}", name, axis));
+      if (table.has("file") && table.has("file_" + axis))
+        unused.push_back(fmt::format("{}.file_{}", name, axis));
+    }
+  }
+  if (!unused.empty())
+    experiment.remarks.push_back(fmt::format("without an effect on a test along {}: {}",
+                                             experiment.axes[0], fmt::join(unused, ", ")));
 }
 
 // Other runs of the same file need these tables, and `--set targets.kind=…` makes this one.
@@ -125,6 +158,8 @@ void check_uses(const Config& file, Experiment& experiment) {
   check_solver(file, experiment);
   if (!experiment.history) check_vertical(file, experiment);
   check_network(file, experiment);
+  check_seed(file, experiment);
+  remark_untested(file, experiment);
   remark_targets(file, experiment);
 }
 
