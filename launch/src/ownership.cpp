@@ -22,7 +22,6 @@ void OwnershipWatch::run() {
   WallClock clock;
   for (int looks_left = kLastLooks; looks_left > 0;) {
     for (auto& store : watch_.look()) {
-      if (store.owner.empty()) continue;
       Found& found = found_[store.offset.value()];
       if (++found.count == 1) found.first = std::move(store);
     }

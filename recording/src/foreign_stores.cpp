@@ -11,9 +11,14 @@ std::string ForeignStore::found() const {
                      count == 1 ? "once" : fmt::format("{} times", count));
 }
 
+std::string ForeignStore::expected() const {
+  return owner.empty() ? "no store, because no node owns the word"
+                       : fmt::format("stores by its owner {} alone", owner);
+}
+
 std::string ForeignStore::text() const {
-  return fmt::format("{} at {:.3f} s: stored as {}, expected stores by its owner {} alone", signal,
-                     time, found(), owner);
+  return fmt::format("{} at {:.3f} s: stored as {}, expected {}", signal, time, found(),
+                     expected());
 }
 
 std::string to_text(const std::vector<ForeignStore>& stores) {

@@ -11,13 +11,16 @@ void ForeignLog::look(broker::Watch& watch) {
   const auto stores = watch.look();
   has_suspicion_.store(watch.has_suspicion());
   for (const auto& store : stores) {
-    if (store.allowed || store.owner.empty()) continue;
+    if (store.allowed) continue;
     const std::lock_guard lock{mutex_};
     if (!first_.empty()) return;
-    first_ = fmt::format(
-        "{}: stored as {} by {} at {:.3f} s, expected stores by its owner {} alone",
-        broker::word_name(map_, store.offset), broker::word_value(map_, store.offset, store.value),
-        broker::writers_of(store), to_seconds(store.seen - begun_), store.owner);
+    const std::string expected = store.owner.empty()
+                                     ? "no store, because no node owns the word"
+                                     : fmt::format("stores by its owner {} alone", store.owner);
+    first_ = fmt::format("{}: stored as {} by {} at {:.3f} s, expected {}",
+                         broker::word_name(map_, store.offset),
+                         broker::word_value(map_, store.offset, store.value),
+                         broker::writers_of(store), to_seconds(store.seen - begun_), expected);
   }
 }
 

@@ -104,6 +104,20 @@ TEST_F(LaboratoryOfATest, JudgesTheStoresOfTheLastMoment) {
   lab.close();
 }
 
+// A word between those of the SRMD's nodes.
+TEST_F(LaboratoryOfATest, NamesAStoreIntoAWordThatNobodyOwns) {
+  auto& lab = laboratory((test::source_tree() / "memmap/maps/srmd.ringmap.toml").string(), 20);
+  auto ring = broker::Ring::attach(lab.name());
+  auto thief = ring.join_plain("");
+  std::atomic_ref{thief.plain_memory()[20]}.store(7);
+
+  const std::string found = failure_of([&] { lab.check_owners(); });
+
+  EXPECT_TRUE(found.starts_with("longword 20: stored as 0x00000007 by ")) << found;
+  EXPECT_TRUE(found.ends_with("expected no store, because no node owns the word")) << found;
+  lab.close();
+}
+
 TEST_F(LaboratoryOfATest, NamesALinkedProgramThatStoresIntoTheWordOfAnother) {
   auto& lab = with_spring(true);
   steal(lab.name() + ".machine", 0x40000000);
