@@ -100,8 +100,7 @@ Break owner_of(const Reader& run) {
       stores.size() == 1
           ? ""
           : fmt::format("; and {} more word{}", stores.size() - 1, stores.size() == 2 ? "" : "s");
-  return Broken{"owner", first.time, first.signal, first.found() + others,
-                fmt::format("stores by its owner {} alone", first.owner)};
+  return Broken{"owner", first.time, first.signal, first.found() + others, first.expected()};
 }
 
 // Invalid or torn inputs. A host that is late in the midst of a write excuses them.
@@ -218,9 +217,16 @@ void judge_run(Judgement& judgement, const Reader& run, const Config& experiment
   judgement.add(owner_of(run));
   judgement.add(missing_rows(run, bounds));
   if (run.rows() < 2) return;
+  const double step = experiment.number("integration_step_s", 0.01);
+  // The spring of an echo answers at any rate.
+  if (!recording::node_with(experiment.table("node"), {"echo"}))
+    judgement.add(rate_of(solver, experiment.number("rate", 1), step));
   // A solver of this project advances by a step with each target.
-  if (!recording::node_with(experiment.table("node"), {"numerical"}))
-    judgement.add(time_of(solver, experiment.number("integration_step_s", 0.01)));
+  if (!recording::node_with(experiment.table("node"), {"numerical"})) {
+    judgement.add(time_of(solver, step));
+    judgement.add(targets_limit_of(run, solver));
+    judgement.add(targets_live_of(run, solver));
+  }
   const HostLateness host = lateness_of(run);
   judgement.add(late_host(run, host, bounds));
   for (const auto& node : nodes_of(run)) {

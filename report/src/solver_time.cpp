@@ -17,7 +17,12 @@ using recording::Roles;
 constexpr double kStepTolerance = 1e-3;   // of an integration step
 constexpr double kTimeRounding = 2.4e-7;  // of two times of type f32 [-]
 constexpr double kRestOfTarget = 5e-5;    // smaller targets are rounding of a static analysis [m]
-constexpr double kRestShareOfTarget = 0.01;  // the same, of the largest target [-]
+constexpr double kRestShareOfTarget = 0.01;        // the same, of the largest target [-]
+constexpr double kRowsOfAMove = 4;                 // longer moves are seen one by one
+constexpr double kSlowest = 1.25, kFastest = 0.9;  // of the planned rate
+constexpr std::size_t kFewMoves = 50;              // show no rate, and may repeat a target
+constexpr double kLargestTarget = 10;              // [m]; that of the largest test machines is 3 m
+constexpr double kAbruptStop = 0.01;               // of the largest step between targets
 constexpr double kMissedTargets = 4;  // rows that are 1 ms apart see at least one flag of four
 
 std::string time_signal(const Reader& run, const Roles& roles) {
@@ -62,12 +67,17 @@ std::vector<std::size_t> starts_of(const std::vector<double>& count, std::size_t
   return starts;
 }
 
-// Rows from a count to the middle of its move: words and count can lie in different rows.
-std::size_t half_of_a_move(const std::vector<std::size_t>& starts) {
+// Rows from count to count.
+double usual_rows_of(const std::vector<std::size_t>& starts) {
   std::vector<double> lengths;
   for (std::size_t i = 1; i < starts.size(); ++i)
     lengths.push_back(static_cast<double>(starts[i] - starts[i - 1]));
-  return static_cast<std::size_t>(percentile(std::move(lengths), 0.5)) / 2;
+  return percentile(std::move(lengths), 0.5);
+}
+
+// Rows from a count to the middle of its move: words and count can lie in different rows.
+std::size_t half_of_a_move(const std::vector<std::size_t>& starts) {
+  return static_cast<std::size_t>(usual_rows_of(starts)) / 2;
 }
 
 // Rows at which each move is read.
@@ -107,13 +117,21 @@ struct Departures {
   [[nodiscard]] std::size_t count() const { return back + repeated + shorter + longer; }
 };
 
-void classify(const SolverMove& before, const SolverMove& move, bool is_counted, double step,
-              Departures& found) {
+// Rows can miss moves: of those that lie between two rows, only the sum is known, and no more than
+// have the time for it.
+double moves_between(const SolverMove& before, const SolverMove& move, const SolverTime& solver,
+                     double step) {
+  if (solver.is_counted) return move.count - before.count;
+  const double missed = std::max(1.0, std::round((move.time - before.time) / step));
+  if (solver.usual_move == 0) return missed;
+  return std::min(missed, std::max(1.0, std::round((move.at - before.at) / solver.usual_move)));
+}
+
+void classify(const SolverMove& before, const SolverMove& move, const SolverTime& solver,
+              double step, Departures& found) {
   const double advance = move.time - before.time;
   const double tolerance = kStepTolerance * step + kTimeRounding * std::abs(move.time);
-  // Rows can miss moves: of those that lie between two rows, only the sum is known.
-  const double missed =
-      is_counted ? move.count - before.count : std::max(1.0, std::round(advance / step));
+  const double missed = moves_between(before, move, solver, step);
   if (std::abs(advance - missed * step) <= missed * tolerance) return;
   if (found.count() == 0) found.first = move.at;
   if (advance < -tolerance)
@@ -142,15 +160,22 @@ SolverTime solver_time_of(const Reader& run) {
   const Roles roles = recording::roles_of(run);
   SolverTime solver;
   solver.signal = time_signal(run, roles);
-  solver.is_counted = run.has(roles.monitor_of_controller() + "pc.targets") ||
-                      run.has("monitor." + roles.solver + ".step");
+  solver.counter = roles.new_target;
+  for (const auto& counter :
+       {roles.monitor_of_controller() + "pc.targets", "monitor." + roles.solver + ".step"})
+    if (run.has(counter)) {
+      solver.is_counted = true;
+      solver.counter = counter;
+    }
   const auto count = moves_in(run, roles);
   const std::size_t rows = test_rows(run);
   const auto starts = starts_of(count, rows), readings = readings_of(starts, rows);
   const auto time = solver.signal.empty() ? std::vector<double>{} : run.signal(solver.signal);
   for (std::size_t i = 0; i < starts.size(); ++i)
-    solver.moves.push_back(
-        {run.time()[starts[i]], count[starts[i]], time.empty() ? 0.0 : time[readings[i]]});
+    solver.moves.push_back({run.time()[starts[i]], readings[i], count[starts[i]],
+                            time.empty() ? 0.0 : time[readings[i]]});
+  if (starts.size() > 1 && usual_rows_of(starts) >= kRowsOfAMove)
+    solver.usual_move = usual_rows_of(starts) * (run.time()[1] - run.time()[0]);
   solver.start = first_from_rest(run, roles, readings);
   return solver;
 }
@@ -175,10 +200,56 @@ Break time_of(const SolverTime& solver, double step) {
   if (solver.signal.empty()) return {};
   Departures found;
   for (std::size_t i = solver.start + 1; i < solver.moves.size(); ++i)
-    classify(solver.moves[i - 1], solver.moves[i], solver.is_counted, step, found);
+    classify(solver.moves[i - 1], solver.moves[i], solver, step, found);
   if (found.count() == 0) return {};
   return Broken{"time", found.first, solver.signal, described(found, solver.moves.size()),
                 fmt::format("each advances it by {:g} s", step)};
+}
+
+Break rate_of(const SolverTime& solver, double rate, double step) {
+  if (solver.moves.size() < solver.start + kFewMoves) return {};
+  const auto achieved = achieved_rate(solver, step);
+  if (!achieved || (*achieved <= kSlowest * rate && *achieved >= kFastest * rate)) return {};
+  return Broken{"rate", solver.moves[solver.start].at,
+                solver.signal.empty() ? solver.counter : solver.signal,
+                fmt::format("{:.3g} s for each second of the solver", *achieved),
+                fmt::format("{:g} s, from {:g} to {:g} s", rate, kFastest * rate, kSlowest * rate)};
+}
+
+Break targets_limit_of(const Reader& run, const SolverTime& solver) {
+  for (const auto& axis : recording::roles_of(run).axes) {
+    if (!run.has(axis.target)) continue;
+    const auto target = run.signal(axis.target);
+    for (const auto& move : solver.moves)
+      if (std::abs(target[move.row]) > kLargestTarget)
+        return Broken{"limit", move.at, axis.target, fmt::format("{:.4g} m", target[move.row]),
+                      fmt::format("at most {:g} m: is it in mm?", kLargestTarget)};
+  }
+  return {};
+}
+
+Break targets_live_of(const Reader& run, const SolverTime& solver) {
+  const auto& moves = solver.moves;
+  for (const auto& axis : recording::roles_of(run).axes) {
+    if (!run.has(axis.target)) continue;
+    const auto target = run.signal(axis.target);
+    const auto advance = [&](std::size_t i) {
+      return std::abs(target[moves[i].row] - target[moves[i - 1].row]);
+    };
+    double largest = 0;
+    for (std::size_t i = 1; i < moves.size(); ++i) largest = std::max(largest, advance(i));
+    std::size_t last = 0, same = 0;  // the last move with another target; those after it
+    for (std::size_t i = solver.start + 1; i < moves.size(); ++i) {
+      if (advance(i) > 0) last = i;
+      same = i - last;
+      if (last > 0 && same >= kFewMoves && advance(last) > kAbruptStop * largest)
+        return Broken{"live", moves[last].at, axis.target,
+                      fmt::format("the same target in {} moves, after steps of up to {:.3g} mm",
+                                  same, 1e3 * largest),
+                      "targets that come to rest gradually"};
+    }
+  }
+  return {};
 }
 
 std::optional<double> achieved_rate(const SolverTime& solver, double step) {

@@ -145,6 +145,8 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"DoubleStep", "time", [](int move) { return 2 * move * kStep; }},
         Contradiction{"HalfStep", "time", [](int move) { return 0.5 * move * kStep; }},
         Contradiction{"HalfStepEndsEarly", "end", [](int move) { return 0.5 * move * kStep; }},
+        Contradiction{"RunsAhead", "rate", [](int move) { return 1.2 * move * kStep; }},
+        Contradiction{"FallsBehind", "rate", [](int move) { return 0.7 * move * kStep; }},
         Contradiction{"StandsStill", "time", [](int move) { return std::min(move, 100) * kStep; }},
         Contradiction{"JumpsOnce", "time",
                       [](int move) { return (move > 80 ? move + 100 : move) * kStep; }},
@@ -153,6 +155,37 @@ INSTANTIATE_TEST_SUITE_P(
         Contradiction{"RunsBackwards", "time", [](int move) { return (kMoves - move) * kStep; }},
         Contradiction{"OnePercentTooFast", "time", [](int move) { return 1.01 * move * kStep; }}),
     [](const auto& one) { return std::string{one.param.name}; });
+
+// Rows see each of these moves, so a longer advance is not that of several moves.
+TEST(SolverTime, IsBrokenByDoubleStepsThatNobodyCounts) {
+  TinyRecording recording{
+      experiment_of("plugin", "ideal_machine"),
+      {{"opf", "opf", "newTarget", [](double t) { return moves_at(t) % 2; }},
+       {"opf", "opf", "1.time.target", [](double t) { return 2 * moves_at(t) * kStep; }},
+       {"opf", "opf", "long.displ.target", [](double t) { return moving(moves_at(t)); }}},
+      kRow,
+      2000};
+
+  const Broken found = broken_in(recording, "time");
+
+  EXPECT_NE(found.found.find("advance it by more"), std::string::npos) << found.found;
+  EXPECT_EQ(found.signal, "opf.1.time.target");
+}
+
+TEST(TargetsOfASolver, AreNeitherHugeNorFrozen) {
+  EXPECT_EQ(broken_in(recording_of(steady), "live").found, "");
+  EXPECT_EQ(broken_in(recording_of(steady), "limit").found, "");
+  const auto frozen = [](int move) { return moving(std::min(move, 120)); };
+  EXPECT_EQ(broken_in(recording_of(steady, frozen), "live").signal, "opf.long.displ.target");
+  const auto in_millimetres = [](int move) { return 1e3 * moving(move); };
+  EXPECT_EQ(broken_in(recording_of(steady, in_millimetres), "limit").signal,
+            "opf.long.displ.target");
+  // A structure that comes to rest.
+  const auto settling = [](int move) {
+    return move < 100 ? std::exp(-0.2 * move) * moving(move) : 0.0;
+  };
+  EXPECT_EQ(broken_in(recording_of(steady, settling), "live").found, "");
+}
 
 // Its time runs on, but it sends no more targets.
 TEST(EndOfRun, IsNotReachedByATimeWithoutMoves) {
