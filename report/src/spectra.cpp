@@ -54,11 +54,12 @@ void add_spectra(Analysis& analysis, const recording::Reader& run, const std::st
     spectra.floor = index < names.size() ? names[index] : fmt::format("floor {}", floor);
     spectra.spectra.push_back(
         {"hybrid", spectrum(hybrid("long"), hybrid("lat"), analysis.integration_step)});
-    if (numerical != nullptr) {
-      const auto isolated = fmt::format("isolated.floor.{}.accel.", floor);
+    const auto isolated = fmt::format("isolated.floor.{}.accel.", floor);
+    // A response of the user's own, or one of other solvers, has no floors.
+    if (numerical != nullptr && numerical->has("result." + isolated + "long")) {
       const auto fixed = fmt::format("fixed.floor.{}.accel.", floor);
       spectra.spectra.push_back({"numerical", reference(*numerical, isolated)});
-      if (improved != nullptr)
+      if (improved != nullptr && improved->has("result." + isolated + "long"))
         spectra.spectra.push_back({"improved", reference(*improved, isolated)});
       spectra.spectra.push_back({"fixed base", reference(*numerical, fixed)});
       spectra.spectra.push_back({"input", reference(*numerical, "ground.accel.")});
