@@ -266,10 +266,15 @@ int judge_and_report(const RunArguments& arguments, const launch::Experiment& ex
 void report_end(const std::filesystem::path& folder, bool has_ring_faults) {
   try {
     const auto broken = report::judge(recording::Reader{folder / report::kRunFile});
-    const bool has_tripped = std::any_of(broken.begin(), broken.end(), [](const auto& condition) {
+    const auto trip = std::find_if(broken.begin(), broken.end(), [](const auto& condition) {
       return condition.condition == "safety";
     });
-    if (has_tripped || has_ring_faults)
+    // The limit that trips is often that of the command, which follows from a wrong feedback.
+    if (trip != broken.end())
+      for (const auto& condition : broken)
+        if (condition.time < trip->time)
+          write_message(fmt::format("rths: before it: {}\n", condition.text()));
+    if (trip != broken.end() || has_ring_faults)
       fmt::print("report    {}\n", report::make_report(folder, broken).page.string());
   } catch (const Error& error) {
     write_message(fmt::format("rths: no report: {}\n", error.what()));
