@@ -57,6 +57,9 @@ std::optional<std::string> conversion_of(double scale, double unscaled_in_g) {
   return std::nullopt;
 }
 
+constexpr const char* kNoAcceleration[] = {"m",   "cm",    "mm",    "in", "s",  "ms", "deg", "°",
+                                           "rad", "rad/s", "deg/s", "N",  "kN", "V",  "mV",  "Hz"};
+
 // The unit that a heading states; null: none, or g.
 const Unit* stated_unit(std::string heading) {
   std::transform(heading.begin(), heading.end(), heading.begin(),
@@ -71,8 +74,26 @@ const Unit* stated_unit(std::string heading) {
   return names({"% g", "%g", "% of g"}) ? &kUnits[1] : nullptr;
 }
 
+// The unit in brackets of a heading, such as "h1 [deg]"; empty: none.
+std::string bracketed(const std::string& heading) {
+  const auto open = heading.find_first_of("[(");
+  if (open == std::string::npos) return "";
+  const auto close = heading.find_first_of("])", open);
+  return heading.substr(open + 1, close == std::string::npos ? close : close - open - 1);
+}
+
+bool is_no_acceleration(const std::string& heading) {
+  const std::string unit = bracketed(heading);
+  const auto is_unit = [&](const char* other) { return unit == other; };
+  return std::any_of(std::begin(kNoAcceleration), std::end(kNoAcceleration), is_unit);
+}
+
 // A heading counts unless the scale converts its unit.
 void check_heading(const Config& table, const std::string& heading, double scale) {
+  if (is_no_acceleration(heading))
+    table.fail("file", fmt::format("the column '{}' is no acceleration, expected a column in g: "
+                                   "another column_long or column_lat?",
+                                   heading));
   constexpr double kMostScale = 7;  // of a converted record
   const Unit* unit = stated_unit(heading);
   if (unit == nullptr || scale * unit->per_g < kMostScale) return;

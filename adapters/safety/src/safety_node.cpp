@@ -17,6 +17,7 @@ using controller::SafetyLimits;
 
 constexpr std::array kAxes = {"long", "lat", "vert"};  // order of the values
 constexpr std::int64_t kLimitsFormat = 1;
+constexpr double kBeyond = 100;  // times the limit of the file: a number in another unit
 
 struct Key {
   const char* key;
@@ -51,6 +52,16 @@ void read_values(const Config& table, const Key& key, double factor,
   }
 }
 
+// A limit in mm would guard nothing.
+void check_unit(const Config& file, const Config& changes, const char* key) {
+  if (!file.has(key) || !changes.has(key)) return;
+  const auto usual = file.numbers(key), values = changes.numbers(key);
+  for (std::size_t i = 0; i < std::min(usual.size(), values.size()); ++i)
+    if (values[i] > kBeyond * usual[i])
+      changes.fail(key, fmt::format("{} is {:g}, and {:g} without this key: is it in another unit?",
+                                    key, values[i], usual[i]));
+}
+
 // A change that states two numbers keeps the vertical limit of the file.
 std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Config& table) {
   std::array<SafetyLimits, kAxes.size()> axes;
@@ -74,6 +85,7 @@ SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
   static_cast<void>(table.text("file", ""));
   SafeMachineSettings settings;
   auto& safety = settings.safety;
+  for (const auto& key : kKeys) check_unit(limits_of_file, changes, key.key);
   const auto limits = read_limits(limits_of_file, table);
   safety.window = table.number_in("window_s", 1e-3, 1, safety.window);
   safety.response_delay = table.number_in("response_delay_s", 0, 1, safety.response_delay);
