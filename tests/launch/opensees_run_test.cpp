@@ -322,7 +322,7 @@ TEST_F(OpenSeesRun, SpeaksToEveryLaboratory) {
                map, fmt::format("dofs = [\"{}\"]\ninitial_stiffness = [[2.8]]", axis), handshake},
               0.02),
           "virtual");
-      ASSERT_EQ(finished.exit_code, 0) << map << ' ' << generation << finished.err;
+      ASSERT_EQ(finished.exit_code, 0) << map << ' ' << generation << finished.out << finished.err;
       std::ifstream log{out() / "run.opf.log"};
       std::vector<double> u(3);
       for (double& value : u) log >> value;
