@@ -36,7 +36,6 @@ TEST(Keys, ThatNoNodeUsesAreRefusedByNameBeforeTheStart) {
       {"srmd_eqsb_2d", {"plant.vertical_frequency_Hz=5"}, "plant.vertical_frequency_Hz has no"},
       {"srmd_eqsb_2d", {"network.domain=3"}, "network.domain has no effect"},
       {"opensees/one_bay_frame", {"machine.force_noise_N=1e5"}, "machine.force_noise_N has no"},
-      {"opensees/one_bay_frame", {"seed=7"}, "seed has no effect"},
       {"opensees/one_bay_frame", {"solver.alpha=-0.1"}, "solver.alpha has no effect"},
       {"opensees/one_bay_frame", {"solver.substeps=2"}, "solver.substeps has no effect"},
   };
@@ -65,6 +64,14 @@ TEST(Keys, OfTheOtherAxisAreSaidToHaveNoEffectOnATestAlongOne) {
                                                {{"axes", "[\"lat\"]"}});
   EXPECT_EQ(experiment.remarks,
             std::vector<std::string>{"without an effect on a test along lat: motion.column_long"});
+}
+
+TEST(Keys, OfTheSeedIsSaidToHaveNoEffectWithoutNoise) {
+  const auto file = test::source_tree() / "examples/opensees/one_bay_frame.toml";
+  const auto experiment = app::load_experiment(file, {{"seed", "7"}});
+  ASSERT_EQ(experiment.remarks.size(), 1U);
+  EXPECT_TRUE(experiment.remarks[0].starts_with("without an effect: seed"));
+  EXPECT_TRUE(app::load_experiment(file, {}).remarks.empty());
 }
 
 TEST(Keys, OfTheEarthquakeAreSaidToHaveNoEffectOnCommandedDisplacements) {
