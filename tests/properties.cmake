@@ -61,6 +61,10 @@ rths_tests(rths_diagnosed_run_test "^DiagnosedRun\\." FIXTURES_REQUIRED shared_r
 rths_tests(rths_left_ring_test "." RUN_SERIAL ON)
 rths_tests(rths_command_test "^(DoctorAndClean|CleanCommand)\\." RUN_SERIAL ON)
 
+# In real time, as those with the label realtime.
+rths_tests(rths_contradictions_test "InRealTime" LABELS realtime)
+rths_tests(rths_contradictions_test "InRealTime" RUN_SERIAL ON)
+
 # With RTHS_LONG=1, forty runs each.
 rths_tests(rths_death_trial_test "." TIMEOUT 1200)
 
