@@ -114,9 +114,9 @@ class Example : public ::testing::TestWithParam<std::filesystem::path> {
     return *run;
   }
 
-  /// The keys of this run: all of them, or every 19th.
+  /// The keys of this run: all of them, or every 41st.
   [[nodiscard]] std::vector<Key> tried_keys() const {
-    const std::size_t stride = test::is_long() ? 1 : 19;
+    const std::size_t stride = test::is_long() ? 1 : 41;
     // Another place in each example, so that the sample has all kinds of tables.
     const auto all = examples();
     auto place =
