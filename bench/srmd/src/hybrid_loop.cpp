@@ -192,9 +192,8 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal, const 
     inverse[axis].effective_mass = nominal.mass[i];
     inverse[axis].largest_reference = nominal.limits.stroke[i];
   }
-  auto target_force =
-      adapters::target_force_settings(constants.table("target_force"), axes, kPeriod,
-                                      kIntegrationStep, &nominal.specimen);
+  auto target_force = adapters::target_force_settings(constants.table("target_force"), axes,
+                                                      kPeriod, kIntegrationStep, &nominal.specimen);
   return {
       "inverse", 0,
       ForceCorrection{

@@ -87,9 +87,10 @@ struct Laboratory::Model {
     if (measures) measure(displacement, acceleration);
     specimen_force = fed_back;
     if (!target_force) return fed_back;
-    target_force->step({target.data(), displacement.data(), acceleration.data(), fed_back.data(),
-                        last.displacement.data(), last.velocity.data(), last.acceleration.data(), load},
-                       true);
+    target_force->step(
+        {target.data(), displacement.data(), acceleration.data(), fed_back.data(),
+         last.displacement.data(), last.velocity.data(), last.acceleration.data(), load},
+        true);
     fed_back += target_force->correction();
     if (test.target_force->lead_time > 0) specimen_force = target_force->ahead();
     return fed_back;
