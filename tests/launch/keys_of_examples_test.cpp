@@ -89,7 +89,7 @@ class Example : public ::testing::TestWithParam<std::filesystem::path> {
       GTEST_SKIP() << "SKIPPED: OpenSees is not installed";
     if (has_adapter(config_, "fmu")) use_built_fmu();
     if (has_adapter(config_, "external")) replace_program();
-    if (has_adapter(config_, "opensees")) use_free_port();
+    if (has_adapter(config_, "opensees")) use_opensees();
     for (const auto& [key, value] : preparation_.sets) config_.set(key, value);
   }
 
@@ -143,8 +143,8 @@ class Example : public ::testing::TestWithParam<std::filesystem::path> {
     preparation_ = {{{"node.opf", R"({adapter = "numerical"})"}, {"map", "srmd"}},
                     "map|node\\.opf\\..*"};
   }
-  // Examples run at the same time.
-  void use_free_port() {
+  // Examples run at the same time, each with a port of its own.
+  void use_opensees() {
     const Config node = config_.table("node").table("opf");
     const auto port = fmt::format("{}", test::free_port());
     auto elements = node.tables("element");
@@ -153,6 +153,7 @@ class Example : public ::testing::TestWithParam<std::filesystem::path> {
     for (const auto& argument : node.texts("arguments"))
       arguments += fmt::format("\"{}\", ", argument);
     preparation_.sets = {{"node.opf.element", list_of_tables(elements)},
+                         {"node.opf.python", "\"" + *test::opensees_python() + "\""},
                          {"node.opf.arguments", "[" + arguments + "\"--port\", \"" + port + "\"]"}};
   }
 

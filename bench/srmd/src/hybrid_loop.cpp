@@ -181,7 +181,8 @@ Controller paper_controller() {
           [](std::size_t) { return std::make_unique<PaperAts>(); }};
 }
 
-Controller inverse_controller(const sim::machine::PlatenMachine& nominal, const Config& constants) {
+Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
+                              const sim::Bearing& bearing, const Config& constants) {
   const std::vector<std::string> axes{"long", "lat"};
   const auto observer =
       adapters::table_force_observer_settings(constants.table("observer"), axes, kPeriod);
@@ -193,7 +194,7 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal, const 
     inverse[axis].largest_reference = nominal.limits.stroke[i];
   }
   auto target_force = adapters::target_force_settings(constants.table("target_force"), axes,
-                                                      kPeriod, kIntegrationStep, &nominal.specimen);
+                                                      kPeriod, kIntegrationStep, &bearing);
   return {
       "inverse", 0,
       ForceCorrection{

@@ -61,9 +61,10 @@ struct Controller {
 /// The paper's: velocity feed-forward at the valves, and ATS.
 [[nodiscard]] Controller paper_controller();
 /// Ours: the adaptive inverse, and the force at the target and ahead.
+/// @param bearing    as the controller assumes it
 /// @param constants  of the blocks observer, target_force and inverse
 [[nodiscard]] Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
-                                            const Config& constants);
+                                            const sim::Bearing& bearing, const Config& constants);
 
 struct HybridTest {
   sim::machine::PlatenMachine machine;  ///< with its specimen

@@ -198,8 +198,8 @@ Bench read_bench(const SrmdOptions& options) {
   const auto plant = sim::example_plant();
   auto bearing = sim::read_bearing(Config::load(options.bearing), sim::weight_per_bearing(plant));
   // A further controller is a further column.
-  std::vector<Controller> controllers{paper_controller(),
-                                      inverse_controller(nominal, Config::load(options.constants))};
+  std::vector<Controller> controllers{
+      paper_controller(), inverse_controller(nominal, bearing, Config::load(options.constants))};
   return {options, nominal, plant, std::move(bearing), std::move(controllers)};
 }
 
