@@ -15,6 +15,7 @@
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/core/toml_list.hpp>
+#include <rths/recording/recording.hpp>
 
 #include "assumed_model.hpp"
 #include "motion_check.hpp"
@@ -419,7 +420,31 @@ std::string Experiment::ring_of(const std::string& ring, const std::string& node
   return cards ? replicated::image_name(ring, node) : ring;
 }
 
+namespace {
+
+// Other files that the commands of this program take.
+void require_experiment(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path))
+    throw Error{fmt::format("{}: is a folder, expected the file of an experiment", path.string())};
+  if (std::filesystem::exists(path) && recording::is_hdf5(path))
+    throw Error{
+        fmt::format("{}: is a recording, expected an experiment; 'rths report FOLDER' judges "
+                    "the folder of a recorded run again",
+                    path.string())};
+}
+
+void refuse_case(const Config& file) {
+  for (const char* key : {"record", "channels", "run"})
+    if (file.has(key) && !file.has("node"))
+      file.fail(key, fmt::format("'{}' belongs to a case of the diagnosis, expected an experiment; "
+                                 "'rths diagnose' takes a case",
+                                 key));
+}
+
+}  // namespace
+
 Config changed_experiment(const std::filesystem::path& file, const Overrides& overrides) {
+  require_experiment(file);
   Config changed = Config::load(file);
   for (const auto& [key, value] : overrides) changed.set(key, value);
   return changed.in_its_folder();
@@ -428,6 +453,7 @@ Config changed_experiment(const std::filesystem::path& file, const Overrides& ov
 Experiment load_experiment(Factories factories, const std::filesystem::path& path,
                            const Overrides& overrides) {
   const Config file = changed_experiment(path, overrides);
+  refuse_case(file);
   const std::int64_t format = file.integer("format");
   if (format != kExperimentFormat)
     file.fail("format",

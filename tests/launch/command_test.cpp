@@ -365,6 +365,23 @@ TEST(DoctorAndClean, NameAndSkipRingsOfOtherUsers) {
   EXPECT_EQ(run_rths({"stop", name}).err, "rths: " + trouble);
 }
 
+// A recording is a large file of another kind, and a case has keys of its own.
+TEST(Command, RunNamesAFileThatIsNoExperiment) {
+  const test::TemporaryFolder folder;
+  const auto recording = folder.write("run.h5", "\x89HDF\r\n\x1a\n and so on");
+  const auto found = test::run_rths({"run", recording.string()});
+  const auto from_case = test::run_rths(
+      {"run", (test::source_tree() / "examples/diagnosis/synthetic/structure/case.toml").string()});
+
+  EXPECT_EQ(found.exit_code, 2);
+  EXPECT_NE(found.err.find("run.h5: is a recording, expected an experiment"), std::string::npos)
+      << found.err;
+  EXPECT_EQ(from_case.exit_code, 2);
+  EXPECT_NE(from_case.err.find("belongs to a case of the diagnosis, expected an experiment"),
+            std::string::npos)
+      << from_case.err;
+}
+
 TEST(Command, NamesAPathThatTheSystemRefuses) {
   const std::string path(300, 'a');
 
