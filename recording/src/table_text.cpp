@@ -1,35 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/file.hpp>
+#include <rths/core/text.hpp>
 
 #include "table_formats.hpp"
 
 namespace rths::recording {
 namespace {
-
-bool is_blank(char c) { return c == ' ' || c == '\t'; }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
-std::string_view unquoted(std::string_view text) {
-  const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
-  return quoted ? text.substr(1, text.size() - 2) : text;
-}
 
 // The separator of a line: the first of these that it contains, else blanks.
 char separator_of(std::string_view line) {
@@ -38,38 +22,7 @@ char separator_of(std::string_view line) {
   return ' ';
 }
 
-std::vector<std::string_view> cells(std::string_view line, char separator) {
-  std::vector<std::string_view> result;
-  if (separator != ' ') {
-    while (true) {
-      const auto end = line.find(separator);
-      result.push_back(unquoted(trimmed(line.substr(0, end))));
-      if (end == std::string_view::npos) return result;
-      line.remove_prefix(end + 1);
-    }
-  }
-  while (true) {
-    line = trimmed(line);
-    if (line.empty()) return result;
-    const auto end = std::min(line.find_first_of(" \t"), line.size());
-    result.push_back(unquoted(line.substr(0, end)));
-    line.remove_prefix(end);
-  }
-}
-
-std::optional<double> number(std::string_view cell) {
-  if (!cell.empty() && cell.front() == '+') cell.remove_prefix(1);
-  double value = 0;
-  const auto [stopped, problem] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
-  if (problem != std::errc{} || stopped != cell.data() + cell.size()) return std::nullopt;
-  return value;
-}
-
 constexpr std::string_view kDigits = "0123456789";
-
-bool is_whole(std::string_view cell) {
-  return !cell.empty() && cell.find_first_not_of(kDigits) == std::string_view::npos;
-}
 
 // True for "1,5": invalid, because the comma separates columns.
 bool has_decimal_comma(std::string_view cell) {
@@ -78,30 +31,17 @@ bool has_decimal_comma(std::string_view cell) {
          cell.find_first_not_of("0123456789+-eE.,; \t") == std::string_view::npos;
 }
 
-// True for "0,005,1,5" split at its commas: pairs of whole numbers; at least one second number has
-// a leading zero, as only a fraction does.
-bool are_halves(const std::vector<std::string_view>& row) {
-  bool fraction = false;
-  if (row.size() % 2 != 0) return false;
-  for (std::size_t i = 0; i < row.size(); i += 2) {
-    const bool has_sign = !row[i].empty() && (row[i].front() == '-' || row[i].front() == '+');
-    if (!is_whole(row[i].substr(has_sign ? 1 : 0)) || !is_whole(row[i + 1])) return false;
-    fraction = fraction || (row[i + 1].size() > 1 && row[i + 1].front() == '0');
-  }
-  return fraction;
-}
-
 std::vector<std::string_view> split_except_commas(std::string_view line) {
   for (const char separator : {';', '\t'})
-    if (line.find(separator) != std::string_view::npos) return cells(line, separator);
-  return cells(line, ' ');
+    if (line.find(separator) != std::string_view::npos) return cells_of(line, separator);
+  return cells_of(line, ' ');
 }
 
 // True for "0,5;1,5": its commas separate no columns.
 bool separates_halves(std::string_view line) {
-  const auto parts = cells(line, ',');
+  const auto parts = cells_of(line, ',');
   return has_decimal_comma(line) && !std::all_of(parts.begin(), parts.end(), [](auto cell) {
-           return cell.empty() || number(cell).has_value();
+           return cell.empty() || number_of(cell).has_value();
          });
 }
 
@@ -111,10 +51,10 @@ struct Line {
 };
 
 bool has_number(const std::vector<std::string_view>& row) {
-  return std::any_of(row.begin(), row.end(), [](auto cell) { return number(cell).has_value(); });
+  return std::any_of(row.begin(), row.end(), [](auto cell) { return number_of(cell).has_value(); });
 }
 
-bool is_text(std::string_view cell) { return !cell.empty() && !number(cell).has_value(); }
+bool is_text(std::string_view cell) { return !cell.empty() && !number_of(cell).has_value(); }
 
 bool has_text(const std::vector<std::string_view>& row) {
   return std::any_of(row.begin(), row.end(), is_text);
@@ -124,7 +64,7 @@ bool has_text(const std::vector<std::string_view>& row) {
 // units and other text of the logger.
 bool is_row(const std::vector<std::string_view>& row) {
   const auto numbers =
-      std::count_if(row.begin(), row.end(), [](auto cell) { return number(cell).has_value(); });
+      std::count_if(row.begin(), row.end(), [](auto cell) { return number_of(cell).has_value(); });
   return numbers > 0 && 2 * numbers >= static_cast<std::ptrdiff_t>(row.size());
 }
 
@@ -137,7 +77,6 @@ class TextReader {
 
   void take(std::string_view line) {
     ++line_;
-    if (line_ == 1 && line.substr(0, 3) == "\xEF\xBB\xBF") line.remove_prefix(3);
     const std::string_view content = trimmed(line);
     if (content.empty() || content.front() == '#' || content.front() == '%') return;
     if (!columns.empty() && is_heading(content)) {
@@ -148,7 +87,7 @@ class TextReader {
     if (columns.empty())
       begin(content);
     else
-      add_row(cells(content, separator_), content);
+      add_row(cells_of(content, separator_), content);
   }
   [[nodiscard]] bool has_names_only() const { return columns.empty() && !above_.empty(); }
 
@@ -157,7 +96,7 @@ class TextReader {
  private:
   void begin(std::string_view line) {
     separator_ = separator_of(line);
-    const auto first = cells(line, separator_);
+    const auto first = cells_of(line, separator_);
     if (separates_halves(line))
       fail_on_commas(above_.empty() ? line : split_except_commas(line)[0]);
     if (!is_row(first)) {
@@ -171,7 +110,7 @@ class TextReader {
   // Whether the lines so far, which seemed to be rows, stand above the names: "Sample rate,100".
   [[nodiscard]] bool is_heading(std::string_view line) const {
     if (headings_.empty() || headings_.size() != columns[0].values.size()) return false;
-    const auto row = cells(line, separator_);
+    const auto row = cells_of(line, separator_);
     return row.size() != columns.size() || std::all_of(row.begin(), row.end(), is_text);
   }
 
@@ -185,7 +124,7 @@ class TextReader {
     std::vector<std::string_view> names;
     std::size_t line = line_;
     for (auto above = above_.rbegin(); above != above_.rend(); ++above) {
-      const auto row = cells(above->content, separator_);
+      const auto row = cells_of(above->content, separator_);
       if (row.size() < fewest || row.size() > count || (!names.empty() && has_number(row))) break;
       names = row;
       fewest = row.size();
@@ -224,7 +163,7 @@ class TextReader {
   }
 
   void add_value(Table::Column& column, std::string_view text) const {
-    const auto value = number(text);
+    const auto value = number_of(text);
     if (!value && has_decimal_comma(text)) fail_on_commas(text);
     const bool is_good = value && std::isfinite(*value);
     if (!is_good && column.trouble.empty())
@@ -243,17 +182,9 @@ class TextReader {
 }  // namespace
 
 Columns read_text_columns(const std::filesystem::path& file) {
-  const std::string text = read_file(file, kMostTextBytes);
-  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
-    throw Error{fmt::format("{}: found text in UTF-16, expected UTF-8", file.string())};
+  const std::string text = read_text(file);
   TextReader reader{file};
-  std::string_view rest{text};
-  while (!rest.empty()) {
-    const auto end = rest.find_first_of("\r\n");
-    reader.take(rest.substr(0, end));
-    if (end == std::string_view::npos) break;
-    rest.remove_prefix(end + (rest.substr(end, 2) == "\r\n" ? 2 : 1));
-  }
+  for (const auto line : lines_of(text)) reader.take(line);
   if (reader.has_names_only())
     throw Error{fmt::format("{}: found column names but no rows, expected at least one row",
                             file.string())};

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace rths {
+
+/// Content of a text file, at most `kMostTextBytes`.
+/// @throws Error as `read_file`, and for UTF-16   @setup
+[[nodiscard]] std::string read_text(const std::filesystem::path& file);
+
+/// Lines of a text, which end with LF, CR LF or CR alone, without these ends and without a byte
+/// order mark. They point into the text.
+[[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
+
+/// Without blanks and tabs at both ends.
+[[nodiscard]] std::string_view trimmed(std::string_view text);
+
+/// Cells of a line without blanks and quotation marks around them.
+/// @param separator  of the cells; ' ' stands for any blanks and tabs
+[[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line, char separator);
+
+/// A number that is the whole text, in any locale; it may begin with '+'.
+[[nodiscard]] std::optional<double> number_of(std::string_view text);
+
+/// True for "0,005,1,5" split at its commas: pairs of whole numbers; at least one second number has
+/// a leading zero, as only a fraction does.
+[[nodiscard]] bool are_halves(const std::vector<std::string_view>& row);
+
+}  // namespace rths

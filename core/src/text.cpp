@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/core/text.hpp>
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
+
+namespace rths {
+namespace {
+
+constexpr std::string_view kDigits = "0123456789";
+
+bool is_blank(char c) { return c == ' ' || c == '\t'; }
+
+std::string_view unquoted(std::string_view text) {
+  const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+  return quoted ? text.substr(1, text.size() - 2) : text;
+}
+
+bool is_whole(std::string_view cell) {
+  return !cell.empty() && cell.find_first_not_of(kDigits) == std::string_view::npos;
+}
+
+// Of a number with a fraction, such as "0294E-03".
+bool is_fraction(std::string_view cell) {
+  const auto exponent = cell.find_first_of("eE");
+  if (exponent == std::string_view::npos) return is_whole(cell);
+  std::string_view power = cell.substr(exponent + 1);
+  if (power.starts_with('-') || power.starts_with('+')) power.remove_prefix(1);
+  return is_whole(cell.substr(0, exponent)) && is_whole(power);
+}
+
+}  // namespace
+
+std::string read_text(const std::filesystem::path& file) {
+  std::string text = read_file(file, kMostTextBytes);
+  if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
+    throw Error{fmt::format("{}: found text in UTF-16, expected UTF-8", file.string())};
+  return text;
+}
+
+std::vector<std::string_view> lines_of(std::string_view text) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  std::vector<std::string_view> lines;
+  while (!text.empty()) {
+    const auto end = text.find_first_of("\r\n");
+    lines.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) break;
+    text.remove_prefix(end + (text.substr(end, 2) == "\r\n" ? 2 : 1));
+  }
+  return lines;
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char separator) {
+  std::vector<std::string_view> result;
+  if (separator != ' ') {
+    while (true) {
+      const auto end = line.find(separator);
+      result.push_back(unquoted(trimmed(line.substr(0, end))));
+      if (end == std::string_view::npos) return result;
+      line.remove_prefix(end + 1);
+    }
+  }
+  while (true) {
+    line = trimmed(line);
+    if (line.empty()) return result;
+    const auto end = std::min(line.find_first_of(" \t"), line.size());
+    result.push_back(unquoted(line.substr(0, end)));
+    line.remove_prefix(end);
+  }
+}
+
+std::optional<double> number_of(std::string_view text) {
+  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  double value = 0;
+  const auto [stopped, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (problem != std::errc{} || stopped != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+bool are_halves(const std::vector<std::string_view>& row) {
+  bool fraction = false;
+  if (row.size() % 2 != 0) return false;
+  for (std::size_t i = 0; i < row.size(); i += 2) {
+    const bool has_sign = !row[i].empty() && (row[i].front() == '-' || row[i].front() == '+');
+    if (!is_whole(row[i].substr(has_sign ? 1 : 0)) || !is_fraction(row[i + 1])) return false;
+    fraction = fraction || (row[i + 1].size() > 1 && row[i + 1].front() == '0');
+  }
+  return fraction;
+}
+
+}  // namespace rths
