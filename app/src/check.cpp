@@ -16,6 +16,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/message.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/plugin/conformance.hpp>
@@ -24,9 +25,9 @@
 #include <rths/report/judgement.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/composition.hpp>
-#include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/machine/platen_machine.hpp>
+#include <rths/sim/motion_file.hpp>
 #include <rths/verdict/plan.hpp>
 
 #include "commands.hpp"
@@ -197,11 +198,31 @@ int check_toml(const std::string& file) {
       "(constants)"};
 }
 
-int check_motion(const std::string& file, const sim::RecordComponent& record, const char* kind) {
+std::string describe_column(const sim::MotionFile& motion, int column) {
+  const auto& of = motion.columns[static_cast<std::size_t>(column - 1)];
+  const bool is_acceleration =
+      of.stated.unknown.empty() &&
+      (of.stated.unit == nullptr || of.stated.unit->kind == sim::MotionUnit::Kind::Acceleration);
+  std::string text = motion.has_one_component() ? "" : fmt::format(" of column {}", column);
+  if (!of.heading.empty()) text += fmt::format(" '{}'", printable(of.heading.substr(0, 60)));
+  if (!is_acceleration) return "no acceleration" + text;
   double peak = 0;
-  for (const double value : record.values) peak = std::max(peak, std::abs(value));
-  fmt::print("{}: {}, {} samples, interval {:g} s, peak {:g}\n", file, kind, record.values.size(),
-             record.time_step, peak);
+  for (const double value : sim::acceleration_in_g(motion, column))
+    peak = std::max(peak, std::abs(value));
+  const auto unit =
+      of.stated.unit == nullptr ? "no unit, read as g" : fmt::format("in {}", of.stated.unit->name);
+  return fmt::format("{:.4g} g{} ({})", peak, text, unit);
+}
+
+int check_motion(const std::string& file) {
+  const auto remarks = launch::check_motion_file(file);
+  const auto motion = sim::read_motion_file(file);
+  std::string text = fmt::format("{}: ground motion ({}), {} samples, interval {:g} s, peak ", file,
+                                 motion.format, motion.columns[0].values.size(), motion.time_step);
+  for (std::size_t i = 0; i < motion.columns.size(); ++i)
+    text += (i == 0 ? "" : ", ") + describe_column(motion, static_cast<int>(i) + 1);
+  fmt::print("{}\n", text);
+  for (const auto& remark : remarks) write_message(fmt::format("rths: {}: {}\n", file, remark));
   return kOk;
 }
 
@@ -236,10 +257,10 @@ int check(const CheckArguments& arguments) {
   const std::string head = read_file(file, kMostTextBytes);
   const std::string line = first_line(head);
   if (line.empty()) throw Error{file + ": is empty"};
-  if (sim::is_at2(file)) return check_motion(file, sim::read_at2(file), "ground motion (.AT2)");
+  if (sim::looks_like_motion(head)) return check_motion(file);
   if (looks_like_toml(line) || (line[0] == '#' && head.find("\n[") != std::string::npos))
     return check_toml(file);
-  return check_motion(file, sim::read_column(file, 1), "columns, first data column");
+  return check_motion(file);
 }
 
 }  // namespace rths::app

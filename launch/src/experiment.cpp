@@ -173,8 +173,8 @@ void read_ground_motion(const Config& file, Experiment& experiment) {
   }
   const Config motion = file.table("motion");
   experiment.motion_name = motion.text("name", motion.text("file", ""));
-  experiment.motion = adapters::read_motion(motion, experiment.axes);
-  add_remarks(check_motion(motion, experiment.motion), experiment);
+  experiment.motion = adapters::read_motion(motion);
+  add_remarks(check_motion(motion, experiment.motion, experiment.axes), experiment);
 }
 
 void read_stop(const Config& table, Experiment& experiment) {
@@ -468,8 +468,8 @@ Experiment load_experiment(Factories factories, const std::filesystem::path& pat
   read_ground_motion(file, experiment);
   // As with `uncompensated`, an empty table is none.
   if (const Config held_out = file.table_or_empty("held_out"); !held_out.keys().empty()) {
-    experiment.held_out = adapters::read_motion(held_out, experiment.axes);
-    add_remarks(check_motion(held_out, *experiment.held_out), experiment);
+    experiment.held_out = adapters::read_motion(held_out);
+    add_remarks(check_motion(held_out, *experiment.held_out, experiment.axes), experiment);
   }
   experiment.plant = adapters::read_plant(file.table_or_empty("plant"));
   read_laboratory(file, experiment);

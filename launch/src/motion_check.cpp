@@ -2,14 +2,16 @@
 #include "motion_check.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include <rths/adapters/test_setup.hpp>
 #include <rths/core/constants.hpp>
+#include <rths/core/error.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/sim/oscillator.hpp>
 
 namespace rths::launch {
@@ -57,48 +59,23 @@ std::optional<std::string> conversion_of(double scale, double unscaled_in_g) {
   return std::nullopt;
 }
 
-constexpr const char* kNoAcceleration[] = {"m",   "cm",    "mm",    "in", "s",  "ms", "deg", "°",
-                                           "rad", "rad/s", "deg/s", "N",  "kN", "V",  "mV",  "Hz"};
-
-// The unit that a heading states; null: none, or g.
-const Unit* stated_unit(std::string heading) {
-  std::transform(heading.begin(), heading.end(), heading.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  const auto names = [&](std::initializer_list<const char*> words) {
-    return std::any_of(words.begin(), words.end(),
-                       [&](const char* word) { return heading.find(word) != std::string::npos; });
-  };
-  if (names({"gal"}) || names({"cm/s"})) return &kUnits[2];
-  if (names({"mm/s"})) return &kUnits[3];
-  if (names({"m/s"})) return &kUnits[0];
-  return names({"% g", "%g", "% of g"}) ? &kUnits[1] : nullptr;
+// A unit in the heading is converted by the reader; a scale that converts it too is refused.
+void check_source(const Config& table, const sim::MotionSource& source, double scale) {
+  constexpr double kMostScale = 3;  // of a record that the scale converts
+  if (source.per_g == 1 || scale == 0 || scale * source.per_g > kMostScale) return;
+  table.fail("scale", fmt::format("scale is {:g}, but '{}' states {}, which is converted to g: "
+                                  "expected scale = {:.3g}",
+                                  scale, source.heading, source.unit, scale * source.per_g));
 }
 
-// The unit in brackets of a heading, such as "h1 [deg]"; empty: none.
-std::string bracketed(const std::string& heading) {
-  const auto open = heading.find_first_of("[(");
-  if (open == std::string::npos) return "";
-  const auto close = heading.find_first_of("])", open);
-  return heading.substr(open + 1, close == std::string::npos ? close : close - open - 1);
-}
-
-bool is_no_acceleration(const std::string& heading) {
-  const std::string unit = bracketed(heading);
-  const auto is_unit = [&](const char* other) { return unit == other; };
-  return std::any_of(std::begin(kNoAcceleration), std::end(kNoAcceleration), is_unit);
-}
-
-// A heading counts unless the scale converts its unit.
-void check_heading(const Config& table, const std::string& heading, double scale) {
-  if (is_no_acceleration(heading))
-    table.fail("file", fmt::format("the column '{}' is no acceleration, expected a column in g: "
-                                   "another column_long or column_lat?",
-                                   heading));
-  constexpr double kMostScale = 7;  // of a converted record
-  const Unit* unit = stated_unit(heading);
-  if (unit == nullptr || scale * unit->per_g < kMostScale) return;
-  table.fail("file", fmt::format("the record is in {} ('{}'), expected g, or scale = {:.6g}",
-                                 unit->name, heading, std::min(scale, 1.0) / unit->per_g));
+// One component may drive both axes on purpose, or by mistake.
+void remark_shared(const sim::GroundMotion& motion, const std::vector<std::string>& axes,
+                   std::vector<std::string>& remarks) {
+  if (axes.size() < 2 || motion.sources.size() < 2) return;
+  const auto &one = motion.sources[0], &other = motion.sources[1];
+  if (one.file == other.file && one.has_one_column && other.has_one_column)
+    remarks.push_back(
+        fmt::format("{} has one component, which drives both axes", one.file.filename().string()));
 }
 
 double largest(const std::vector<double>& values) {
@@ -186,15 +163,17 @@ MotionSizes sizes_of(const std::vector<double>& acceleration, double time_step) 
   return sizes;
 }
 
-std::vector<std::string> check_motion(const Config& table, const sim::GroundMotion& motion) {
+std::vector<std::string> check_motion(const Config& table, const sim::GroundMotion& motion,
+                                      const std::vector<std::string>& axes) {
   if (motion.time_step > kLongestStep)
     table.fail("file", fmt::format("the time step is {:g} s, expected at most {:g} s: is the time "
                                    "in ms, or a number of samples?",
                                    motion.time_step, kLongestStep));
   const double scale = table.number("scale", 1.0);
-  for (const auto& heading : motion.headings) check_heading(table, heading, scale);
+  for (const auto& source : motion.sources) check_source(table, source, scale);
   MotionSizes most;
   std::vector<std::string> remarks;
+  remark_shared(motion, axes, remarks);
   for (const auto* component :
        {&motion.long_acceleration, &motion.lat_acceleration, &motion.vert_acceleration}) {
     const MotionSizes sizes = sizes_of(*component, motion.time_step);
@@ -213,6 +192,18 @@ std::vector<std::string> check_motion(const Config& table, const sim::GroundMoti
                     text_of(most), motion.time_step));
   if (most.acceleration == 0) remarks.emplace_back("the ground motion is zero");
   return remarks;
+}
+
+std::vector<std::string> check_motion_file(const std::filesystem::path& file) {
+  Config table;
+  table.put("file", std::filesystem::absolute(file).string());
+  try {
+    return check_motion(table, adapters::read_motion(table), {"long"});
+  } catch (const Error& error) {
+    // The table itself has no place.
+    const std::string problem = error.what();
+    throw Error{problem.starts_with(":") ? file.string() + problem : problem};
+  }
 }
 
 void check_units(const Config& changes, const Config& original) {

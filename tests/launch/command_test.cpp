@@ -98,7 +98,8 @@ INSTANTIATE_TEST_SUITE_P(
                 ": constants of observer for the diagram '"},
         Checked{"experiment", in_tree("examples/srmd_lprb_2d.toml"), ": experiment 'srmd_lprb_2d'"},
         Checked{"columns", in_tree("examples/records/petrolia_1992_riodell_freefield.csv"),
-                "3000 samples, interval 0.02 s, peak 0.385"},
+                "ground motion (columns), 3000 samples, interval 0.02 s, peak 0.3857 g of column 1 "
+                "'h1_g' (in g)"},
         Checked{"scenario", in_tree("examples/cards/dead_node.toml"), ": scenario of 4 cards, 400"},
         Checked{"case", in_tree("examples/diagnosis/actuator/case.toml"), ": case '"}),
     [](const auto& checked) { return std::string{checked.param.name}; });

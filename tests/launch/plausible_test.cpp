@@ -16,13 +16,17 @@
 namespace rths::launch {
 namespace {
 
+/// A burst of 1 Hz within 10 s.
+double burst(double t) {
+  return std::sin(std::numbers::pi * t / 10) * std::sin(2 * std::numbers::pi * t);
+}
+
 /// Columns of a motion: time, 0.3 and 0.2 times `factor`, a burst of 1 Hz.
 std::string record(double factor, double step = 0.01, const std::string& heading = "") {
   std::string text = heading;
   for (int i = 0; i <= 1000; ++i) {
     const double t = 0.01 * i;  // whatever the file states
-    const double a =
-        factor * std::sin(std::numbers::pi * t / 10) * std::sin(2 * std::numbers::pi * t);
+    const double a = factor * burst(t);
     text += fmt::format("{:.4f},{:.6f},{:.6f}\n", i * step, 0.3 * a, 0.2 * a);
   }
   return text;
@@ -51,6 +55,9 @@ class PlausibleTest : public ::testing::Test {
     folder.write("h2.At2", at2(0.5));
     folder.write("h3.txt", at2(0.5, "G", "NPTS , DT = 500 , .0100"));
     folder.write("cm.AT2", at2(980, "CM/SEC2"));
+    std::string alone;
+    for (int i = 0; i <= 1000; ++i) alone += fmt::format("{:.6f}\n", 0.3 * burst(0.01 * i));
+    folder.write("alone.txt", alone);
     folder.write("mm.csv", "0,0,0\n0.01,0,0\n0.02,80,40\n0.03,0,0\n");
     folder.write("offset.csv", "0,0.2,0\n0.01,0.2,0\n0.02,0.2,0\n");
   }
@@ -76,6 +83,12 @@ class PlausibleTest : public ::testing::Test {
     return found_with({{"motion", "{file = " + file(motion) + "}"}});
   }
 
+  [[nodiscard]] sim::GroundMotion motion_of(const std::string& name) const {
+    return app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d_ats.toml",
+                                {{"held_out", "{}"}, {"motion", "{file = " + file(name) + "}"}})
+        .motion;
+  }
+
   test::TemporaryFolder folder;
 };
 
@@ -94,10 +107,35 @@ TEST_F(PlausibleTest, ARecordInAnotherUnitIsRefusedWithTheLikelyOne) {
   EXPECT_FOUND(found_in("gal.csv"),
                "is the record in gal (cm/s²)? Then expected scale = 0.00101972");
   EXPECT_FOUND(found_in("m_s2.csv"), "is the record in m/s²? Then expected scale = 0.101972");
-  EXPECT_FOUND(found_in("m_s2_named.csv"), "the record is in m/s² ('h1_m/s2')");
-  EXPECT_FOUND(found_in("gal_named.csv"), "the record is in gal (cm/s²) ('ns [gal]')");
-  EXPECT_FOUND(found_with({{"axes", "[\"long\"]"}, {"motion", "{file = " + file("cm.AT2") + "}"}}),
-               "the record is in gal (cm/s²) (' CM/SEC2')");
+}
+
+TEST_F(PlausibleTest, ARecordWhoseHeadingStatesAnotherUnitIsConvertedToG) {
+  const auto expected = motion_of("g.csv");
+  for (const char* name : {"m_s2_named.csv", "gal_named.csv"}) {
+    EXPECT_EQ(found_in(name), "") << name;
+    const auto motion = motion_of(name);
+    ASSERT_EQ(motion.long_acceleration.size(), expected.long_acceleration.size());
+    for (std::size_t i = 0; i < motion.long_acceleration.size(); ++i) {
+      ASSERT_NEAR(motion.long_acceleration[i], expected.long_acceleration[i], 2e-5) << name;
+      ASSERT_NEAR(motion.lat_acceleration[i], expected.lat_acceleration[i], 2e-5) << name;
+    }
+  }
+  EXPECT_EQ(found_with({{"axes", "[\"long\"]"}, {"motion", "{file = " + file("cm.AT2") + "}"}}),
+            "");
+}
+
+TEST_F(PlausibleTest, AColumnOfValuesAloneNeedsItsStep) {
+  EXPECT_FOUND(found_in("alone.txt"), "alone.txt has no column of time, expected time_step_s");
+  const auto with = [&](const std::string& name, const std::string& step) {
+    return found_with({{"motion", "{time_step_s = " + step + ", file = " + file(name) + "}"}});
+  };
+  EXPECT_EQ(with("alone.txt", "0.01"), "alone.txt has one component, which drives both axes\n");
+  EXPECT_FOUND(with("alone.txt", "0.01, column_lat = 1"), "column_lat has no effect");
+  EXPECT_FOUND(with("alone.txt", "0"), "time_step_s is 0, expected");
+  EXPECT_FOUND(with("g.csv", "0.01"),
+               "time_step_s has no effect: g.csv states a time step of 0.01 s");
+  EXPECT_FOUND(with("h1.AT2", "0.01"),
+               "time_step_s has no effect: h1.AT2 states a time step of 0.01 s");
 }
 
 TEST_F(PlausibleTest, AScaleConvertsAUnitOnceAndTheRightWay) {
@@ -106,7 +144,11 @@ TEST_F(PlausibleTest, AScaleConvertsAUnitOnceAndTheRightWay) {
         {{"motion", std::string{"{scale = "} + scale + ", file = " + file(name) + "}"}});
   };
   EXPECT_EQ(scaled("gal.csv", "0.00101972"), "");
-  EXPECT_EQ(scaled("gal_named.csv", "0.0014"), "");
+  EXPECT_FOUND(scaled("gal_named.csv", "0.0014"),
+               "scale is 0.0014, but 'ns [gal]' states gal (cm/s²), which is converted to g: "
+               "expected scale = 1.37");
+  EXPECT_FOUND(scaled("m_s2_named.csv", "0.101972"), "expected scale = 1");
+  EXPECT_EQ(scaled("gal_named.csv", "1.4"), "");
   EXPECT_FOUND(scaled("g.csv", "9.81"), "the factor from m/s² to g the wrong way");
   EXPECT_FOUND(scaled("g.csv", "0.00101972"), "as for a record in gal (cm/s²)");
 }
@@ -117,9 +159,10 @@ TEST_F(PlausibleTest, AWrongTimeStepIsRefusedOrSaid) {
   EXPECT_FOUND(found_in("slow.csv"), "is the time step, 0.04 s, ");
 }
 
-TEST_F(PlausibleTest, AnAt2FileDrivesOneAxisAndItsContentDecides) {
-  EXPECT_FOUND(found_in("h1.AT2"),
-               "h1.AT2 is an .AT2 file, which has one component, and would drive both axes");
+TEST_F(PlausibleTest, AnAt2FileForBothAxesIsSaidAndItsContentDecides) {
+  EXPECT_EQ(found_in("h1.AT2"), "h1.AT2 has one component, which drives both axes\n");
+  EXPECT_EQ(found_with({{"axes", "[\"long\"]"}, {"motion", "{file = " + file("h1.AT2") + "}"}}),
+            "");
   const auto both = [&](const std::string& more) {
     return found_with({{"motion", "{file_long = " + file("h1.AT2") + more + "}"}});
   };
@@ -157,32 +200,55 @@ TEST_F(PlausibleTest, AResponseThatNoMachineReachesIsRefused) {
                "and the machine reaches");
 }
 
-// Inputs of others, where they are at hand.
-TEST(StrangersMotions, AreReadRightOrRefused) {
-  const auto motions = test::source_tree().parent_path() / "shared/data/strangers/motions";
-  if (!std::filesystem::exists(motions)) GTEST_SKIP() << "no " << motions;
-  const auto base = motions / "motion_base.toml";
-  const auto read = [&](const std::string& name) {
-    return app::load_experiment(base, {{"motion.file", "\"" + name + "\""}}).motion;
-  };
-  const auto error = [&](const std::string& name) {
-    return test::error_of([&] { static_cast<void>(read(name)); });
-  };
-  EXPECT_NEAR(read("g.csv").time_step, 0.005, 1e-12);
-  EXPECT_FOUND(error("gal.csv"), "gal");
-  EXPECT_FOUND(error("m_s2.csv"), "m/s²");
-  for (const char* name :
-       {"crlf.AT2", "lower_dt.AT2", "line4_3.AT2", "mixed_case_ext.At2", "at2_named.txt"}) {
-    const auto motion =
-        app::load_experiment(
-            base, {{"motion.file", "\"" + std::string{name} + "\""}, {"axes", "[\"long\"]"}})
-            .motion;
-    EXPECT_NEAR(motion.time_step, 0.005, 1e-12) << name;
-    EXPECT_FOUND(error(name), "would drive both axes");
+// Inputs of others, where they are at hand: all hold the motion of g.csv.
+class StrangersMotions : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(motions_)) GTEST_SKIP() << "SKIPPED: there is no " << motions_;
   }
-  EXPECT_FOUND(
-      test::error_of([&] { static_cast<void>(app::load_experiment(motions / "single.toml")); }),
-      "would drive both axes");
+  [[nodiscard]] Experiment load(const std::string& name, Overrides changes = {}) const {
+    changes.emplace_back("motion.file", "\"" + name + "\"");
+    return app::load_experiment(motions_ / "motion_base.toml", changes);
+  }
+  [[nodiscard]] std::string error(const std::string& name, const Overrides& changes = {}) const {
+    return test::error_of([&] { static_cast<void>(load(name, changes)); });
+  }
+
+  std::filesystem::path motions_ =
+      test::source_tree().parent_path() / "shared/data/strangers/motions";
+};
+
+TEST_F(StrangersMotions, HaveTheSameValuesInAnyFormatAndUnit) {
+  const auto expected = load("g.csv").motion;
+  ASSERT_NEAR(expected.time_step, 0.005, 1e-12);
+  for (const auto& entry : std::filesystem::directory_iterator{motions_}) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() == ".toml") continue;
+    const Overrides step =
+        name == "one_column.txt" ? Overrides{{"motion.time_step_s", "0.005"}} : Overrides{};
+    ASSERT_EQ(error(name, step), "") << name;
+    const auto motion = load(name, step).motion;
+    EXPECT_NEAR(motion.time_step, 0.005, 1e-12) << name;
+    ASSERT_EQ(motion.long_acceleration.size(), 2000U) << name;
+    for (std::size_t i = 0; i < 2000; ++i)  // printed with six decimals of g
+      ASSERT_NEAR(motion.long_acceleration[i], expected.long_acceleration[i], 5e-5) << name;
+  }
+}
+
+TEST_F(StrangersMotions, AreReadOrRefusedByCheckAsByRun) {
+  for (const auto& entry : std::filesystem::directory_iterator{motions_}) {
+    const std::string name = entry.path().filename().string();
+    if (entry.path().extension() == ".toml") continue;
+    const auto checked =
+        test::error_of([&] { static_cast<void>(check_motion_file(entry.path())); });
+    EXPECT_EQ(checked.empty(), error(name).empty()) << checked << error(name);
+  }
+  EXPECT_FOUND(error("one_column.txt"), "expected time_step_s");
+}
+
+TEST_F(StrangersMotions, OfOneComponentAreSaidToDriveBothAxes) {
+  EXPECT_EQ(app::load_experiment(motions_ / "single.toml").remarks,
+            std::vector<std::string>{"h1.AT2 has one component, which drives both axes"});
 }
 
 }  // namespace

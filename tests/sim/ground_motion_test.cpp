@@ -4,57 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <rths/sim/ground_motion.hpp>
+#include <rths/sim/motion_file.hpp>
 
 #include "support/files.hpp"
 #include "support/realtime_guard.hpp"
 
 namespace rths::sim {
 namespace {
-
-constexpr const char* kAt2 =
-    "PEER NGA STRONG MOTION DATABASE RECORD\n"
-    "Some Earthquake, 1/1/1900, Somewhere, 000\n"
-    "ACCELERATION TIME SERIES IN UNITS OF G\n"
-    "NPTS=      7, DT=   .0050 SEC\n"
-    "   .1000000E-02  -.2000000E-02   .3000000E-02  -.4000000E-02   .5000000E-02\n"
-    "  -.6000000E-02   .7000000E-02\n";
-
-TEST(At2Reader, ReadsValuesAcrossLines) {
-  const test::TemporaryFolder folder;
-
-  const auto record = read_at2(folder.write("a.AT2", kAt2));
-
-  EXPECT_EQ(record.time_step, 0.005);
-  ASSERT_EQ(record.values.size(), 7U);
-  EXPECT_DOUBLE_EQ(record.values[3], -0.004);
-  EXPECT_DOUBLE_EQ(record.values[6], 0.007);
-}
-
-TEST(At2Reader, ReadsAHeaderWithOtherSpacing) {
-  const test::TemporaryFolder folder;
-  std::string text = kAt2;
-  text.replace(text.find("NPTS="), 29, "NPTS= 7, DT= 0.01 SEC,    ");
-
-  EXPECT_EQ(read_at2(folder.write("a.AT2", text)).time_step, 0.01);
-}
-
-TEST(At2Reader, ReportsTheLineOfAnError) {
-  const test::TemporaryFolder folder;
-  std::string short_file = kAt2;
-  short_file.replace(short_file.find("NPTS=      7"), 12, "NPTS=      9");
-  std::string with_word = kAt2;
-  with_word.replace(with_word.find(".3000000E-02"), 12, "not_a_number");
-
-  const auto short_path = folder.write("short.AT2", short_file);
-  const auto word_path = folder.write("word.AT2", with_word);
-
-  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(short_path)); }),
-            short_path.string() + ":6: 7 values found, expected NPTS = 9");
-  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(word_path)); }),
-            word_path.string() + ":5: 'not_a_number' is not a number");
-  EXPECT_EQ(test::error_of([&] { static_cast<void>(read_at2(folder.path() / "none.AT2")); }),
-            (folder.path() / "none.AT2").string() + ": cannot be read: No such file or directory");
-}
 
 TEST(ColumnReader, ReadsColumnsWithAnySeparator) {
   const test::TemporaryFolder folder;

@@ -7,6 +7,7 @@
 
 #include <rths/core/constants.hpp>
 #include <rths/sim/ground_motion.hpp>
+#include <rths/sim/motion_file.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 #include "support/files.hpp"

@@ -8,6 +8,7 @@
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/sim/motion_file.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -23,40 +24,70 @@ sim::Stick read_stick(const Config& table) {
   return stick;
 }
 
-sim::RecordComponent read_component(const Config& table, const std::string& key, int column) {
+/// One component of a motion, in g.
+struct Component {
+  double time_step = 0;  // [s]
+  std::vector<double> values;
+  sim::MotionSource source;
+};
+
+// A file of one column states no step.
+double time_step_of(const Config& table, const sim::MotionFile& motion) {
+  const std::string name = motion.file.filename().string();
+  if (!table.has("time_step_s") && motion.time_step == 0)
+    table.fail("time_step_s",
+               fmt::format("{} has no column of time, expected time_step_s, its time "
+                           "step",
+                           name));
+  if (!table.has("time_step_s")) return motion.time_step;
+  const double stated = table.number_in("time_step_s", 1e-6, 1, 0.01);
+  if (motion.time_step > 0)
+    table.fail("time_step_s",
+               fmt::format("time_step_s has no effect: {} states a time step of {:g} s", name,
+                           motion.time_step));
+  return stated;
+}
+
+int column_of(const Config& table, const std::string& key, int column,
+              const sim::MotionFile& motion) {
+  const std::string name = "column_" + key;
+  if (!table.has(name)) return motion.has_one_component() ? 1 : column;
+  if (motion.is_at2())
+    table.fail(name, fmt::format("{} has no effect: {} is an .AT2 file, which has one component",
+                                 name, motion.file.filename().string()));
+  if (motion.has_one_component() && motion.time_step == 0)
+    table.fail(name, fmt::format("{} has no effect: {} has one column", name,
+                                 motion.file.filename().string()));
+  return static_cast<int>(table.integer_in(name, 1, 100, column));
+}
+
+Component read_component(const Config& table, const std::string& key, int column) {
   if (!table.has("file") && !table.has("file_" + key))
     table.fail("file", "[motion] needs 'file', or 'file_long' and 'file_lat'");
   static_cast<void>(table.text("file", ""));  // each component may have its own
-  const auto file =
-      find_file(table, table.has("file_" + key) ? "file_" + key : "file", "examples/records");
-  if (!sim::is_at2(file))
-    return sim::read_column(file,
-                            static_cast<int>(table.integer_in("column_" + key, 1, 100, column)));
-  if (table.has("column_" + key))
-    table.fail("column_" + key, fmt::format("column_{} has no effect: {} is an .AT2 file, which "
-                                            "has one component",
-                                            key, file.filename().string()));
-  return sim::read_at2(file);
+  const std::string file_key = table.has("file_" + key) ? "file_" + key : "file";
+  const auto file = find_file(table, file_key, "examples/records");
+  const auto motion = sim::read_motion_file(file);
+  const int used = column_of(table, key, column, motion);
+  Component component{time_step_of(table, motion), sim::acceleration_in_g(motion, used), {}};
+  const auto& read = motion.columns[static_cast<std::size_t>(used - 1)];
+  const auto& unit = read.stated.unit == nullptr ? sim::kUnitG : *read.stated.unit;
+  component.source = {file, read.heading, std::string{unit.name}, unit.per_g,
+                      motion.has_one_component() && !table.has("column_" + key)};
+  return component;
 }
 
-// A file of one component for all axes, or a file that each axis replaces by its own.
-void check_files(const Config& table, const std::vector<std::string>& axes) {
+// A file that each axis replaces by its own.
+void check_files(const Config& table) {
   if (!table.has("file")) return;
   const auto has_own = [&](const std::string& key) { return table.has("file_" + key); };
   const bool needs_vertical = table.has("column_vert") && !has_own("vert");
   if (has_own("long") && has_own("lat") && !needs_vertical)
     table.fail("file", "file has no effect: each component has a file of its own");
-  if (has_own("long") || has_own("lat") || axes.size() < 2) return;
-  const auto file = find_file(table, "file", "examples/records");
-  if (sim::is_at2(file))
-    table.fail("file", fmt::format("{} is an .AT2 file, which has one component, and would drive "
-                                   "both axes; expected file_long and file_lat, or axes with one",
-                                   file.filename().string()));
 }
 
 // The components must come from one record.
-void check_alike(const Config& table, const sim::RecordComponent& one,
-                 const sim::RecordComponent& other) {
+void check_alike(const Config& table, const Component& one, const Component& other) {
   if (one.values.size() != other.values.size() || std::abs(one.time_step - other.time_step) > 1e-9)
     table.fail("file", "the components differ in length or time step");
 }
@@ -87,8 +118,8 @@ sim::IsolatedPlant read_plant(const Config& table) {
   return plant;
 }
 
-sim::GroundMotion read_motion(const Config& table, const std::vector<std::string>& axes) {
-  check_files(table, axes);
+sim::GroundMotion read_motion(const Config& table) {
+  check_files(table);
   const auto longitudinal = read_component(table, "long", 1);
   const auto lateral = read_component(table, "lat", 2);
   check_alike(table, longitudinal, lateral);
@@ -96,13 +127,13 @@ sim::GroundMotion read_motion(const Config& table, const std::vector<std::string
   static_cast<void>(table.text("name", ""));
   sim::GroundMotion motion;
   motion.time_step = longitudinal.time_step;
-  motion.headings = {longitudinal.heading, lateral.heading};
+  motion.sources = {longitudinal.source, lateral.source};
   for (const double value : longitudinal.values) motion.long_acceleration.push_back(scale * value);
   for (const double value : lateral.values) motion.lat_acceleration.push_back(scale * value);
   if (table.has("column_vert") || table.has("file_vert")) {
     const auto vertical = read_component(table, "vert", 3);
     check_alike(table, longitudinal, vertical);
-    motion.headings.push_back(vertical.heading);
+    motion.sources.push_back(vertical.source);
     for (const double value : vertical.values) motion.vert_acceleration.push_back(scale * value);
   }
   table.reject_unknown_keys();

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/sim/motion_file.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::adapters {

@@ -10,6 +10,15 @@
 
 namespace rths::sim {
 
+/// Column of a file from which a component was read.
+struct MotionSource {
+  std::filesystem::path file;
+  std::string heading;  ///< of the column, or the unit of an .AT2 file; may be empty
+  std::string unit;
+  double per_g = 1;             ///< factor from g to this unit, from which it was converted
+  bool has_one_column = false;  ///< no other one in the file
+};
+
 /// Recorded ground acceleration, equally spaced in time.
 struct GroundMotion {
   double time_step = 0;                   ///< [s]
@@ -17,8 +26,8 @@ struct GroundMotion {
   std::vector<double> lat_acceleration;   ///< [m/s²], same length
   /// Upwards [m/s²], same length; empty: none. g++ needs the initializer, clang-tidy does not.
   std::vector<double> vert_acceleration = {};  // NOLINT(readability-redundant-member-init)
-  /// Of the components, as in the file; may be empty.
-  std::vector<std::string> headings = {};  // NOLINT(readability-redundant-member-init)
+  /// Of the components, in this order; may be empty.
+  std::vector<MotionSource> sources = {};  // NOLINT(readability-redundant-member-init)
 
   [[nodiscard]] double duration() const {
     return time_step * static_cast<double>(long_acceleration.size());
@@ -28,30 +37,9 @@ struct GroundMotion {
   [[nodiscard]] double vertical_at(double time) const noexcept;  ///< as `at`, upwards [m/s²]
 };
 
-/// One component of a record.
-struct RecordComponent {
-  double time_step = 0;        ///< [s]
-  std::vector<double> values;  ///< in the file's unit
-  std::string heading;         ///< of the column, or the unit that an .AT2 file states; or empty
-};
-
-/// True for a PEER .AT2 file: by its ending, or by NPTS and DT in its fourth line.   @setup
-[[nodiscard]] bool is_at2(const std::filesystem::path& file);
-
-/// Reads a PEER .AT2 file: four header lines, the last with NPTS and DT, then values in g.
-/// @throws Error with file:line   @setup
-[[nodiscard]] RecordComponent read_at2(const std::filesystem::path& file);
-
-/// Reads columns of numbers separated by blanks or commas; lines that start with '#' or a letter
-/// are headings. The first column is time and must be equally spaced.
-/// @param column  index of the column to read, from 1 (0 is time)
-/// @throws Error with file:line for a missing column, a word that is not a number, uneven time
-/// @setup
-[[nodiscard]] RecordComponent read_column(const std::filesystem::path& file, int column);
-
-/// Reads three columns of acceleration in g.
-/// @param columns  long, lat, vert, as of `read_column`   @param scale  factor on the acceleration
-/// @throws Error as `read_column`   @setup
+/// Reads three columns of acceleration.
+/// @param columns  long, lat, vert; 0 is time   @param scale  factor on the acceleration
+/// @throws Error as `read_motion_file`   @setup
 [[nodiscard]] GroundMotion read_motion(const std::filesystem::path& file,
                                        const std::array<int, 3>& columns, double scale);
 

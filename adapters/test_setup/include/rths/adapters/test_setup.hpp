@@ -69,10 +69,8 @@ struct TestSetup {
 /// Reads a [plant] table. @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] sim::IsolatedPlant read_plant(const Config& table);
 /// Reads a [motion] table: .AT2 or columns, scaled.
-/// @param axes  tested ones: one .AT2 file has the component of one axis only
 /// @throws Error with the place of the first wrong value or key without an effect   @setup
-[[nodiscard]] sim::GroundMotion read_motion(const Config& table,
-                                            const std::vector<std::string>& axes);
+[[nodiscard]] sim::GroundMotion read_motion(const Config& table);
 
 /// Time step of purely numerical results [s].
 inline constexpr double kReferenceStep = 0.001;

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
+
+#include "motion_text.hpp"
+
+namespace rths::sim {
+namespace {
+
+constexpr std::size_t kMostHeaderLines = 40;
+constexpr double kMostSamples = 1e9, kLongestStep = 1;  // [-], [s]
+constexpr NumberStyle kFortran{.glued = true};
+constexpr const char* kExpected =
+    "expected NPTS and DT with a number each, as in 'NPTS= 4000, DT= .0050 SEC'";
+
+struct Token {
+  enum class Kind { Count, Step, Number, Sign, Milli };
+  Kind kind;
+  double value = 0;
+};
+using Tokens = std::vector<Token>;
+
+struct Header {
+  double count = 0, step = 0;  // [-], [s]
+  std::size_t line = 0;        // of NPTS
+  std::size_t end = 0;         // its last line
+};
+
+// "DT= 0,005": the comma is decimal if there is no point.
+std::string with_points(std::string_view line) {
+  std::string result{line};
+  if (line.find('.') != std::string_view::npos) return result;
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (std::size_t i = 1; i + 1 < result.size(); ++i)
+    if (result[i] == ',' && is_digit(result[i - 1]) && is_digit(result[i + 1])) result[i] = '.';
+  return result;
+}
+
+void add_word(std::string_view word, Tokens& tokens) {
+  if (word == "NPTS" || word == "NPT") tokens.push_back({Token::Kind::Count});
+  if (word == "DT") tokens.push_back({Token::Kind::Step});
+  if (word == "MS" || word == "MSEC") tokens.push_back({Token::Kind::Milli});
+}
+
+// Words, numbers and signs of equality, in order; other words are left out.
+Tokens tokens_of(std::string_view line) {
+  const std::string text = in_capitals(with_points(line));
+  Tokens tokens;
+  std::string_view rest{text};
+  double number = 0;
+  while (!rest.empty()) {
+    if (take_number(rest, number)) {
+      tokens.push_back({Token::Kind::Number, number});
+      continue;
+    }
+    std::size_t length = 0;
+    while (length < rest.size() && rest[length] >= 'A' && rest[length] <= 'Z') ++length;
+    if (length > 0) add_word(rest.substr(0, length), tokens);
+    if (rest.front() == '=' || rest.front() == ':') tokens.push_back({Token::Kind::Sign});
+    rest.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return tokens;
+}
+
+std::size_t count_of(const Tokens& tokens, Token::Kind kind) {
+  return static_cast<std::size_t>(std::count_if(
+      tokens.begin(), tokens.end(), [&](const Token& token) { return token.kind == kind; }));
+}
+
+bool is_name(const Token& token) {
+  return token.kind == Token::Kind::Count || token.kind == Token::Kind::Step;
+}
+
+// The number after a name, with or without a sign of equality.
+std::optional<double> number_after(const Tokens& tokens, std::size_t name) {
+  std::size_t at = name + 1;
+  if (at < tokens.size() && tokens[at].kind == Token::Kind::Sign) ++at;
+  if (at < tokens.size() && tokens[at].kind == Token::Kind::Number) return tokens[at].value;
+  return std::nullopt;
+}
+
+bool has_sign(const Tokens& tokens, std::size_t name) {
+  return name + 1 < tokens.size() && tokens[name + 1].kind == Token::Kind::Sign;
+}
+
+std::vector<double> numbers_of(const Tokens& tokens, std::size_t begin, std::size_t end) {
+  std::vector<double> numbers;
+  for (std::size_t i = begin; i < end; ++i)
+    if (tokens[i].kind == Token::Kind::Number) numbers.push_back(tokens[i].value);
+  return numbers;
+}
+
+using Pair = std::pair<double, double>;
+
+// Values of the two names, in their order. None: there is more than one way to read them.
+std::optional<Pair> assigned(const Tokens& tokens) {
+  const auto found = std::find_if(tokens.begin(), tokens.end(), is_name);
+  const auto other = std::find_if(found + 1, tokens.end(), is_name);
+  const auto first = static_cast<std::size_t>(found - tokens.begin());
+  const auto second = static_cast<std::size_t>(other - tokens.begin());
+  const auto before = numbers_of(tokens, 0, first), between = numbers_of(tokens, first, second),
+             after = numbers_of(tokens, second, tokens.size());
+  const auto one = number_after(tokens, first), two = number_after(tokens, second);
+  const bool has_signs = has_sign(tokens, first) && has_sign(tokens, second);
+  if (one && two && (before.empty() || has_signs)) return Pair{*one, *two};
+  if (before.size() == 1 && between.size() == 1 && after.empty())
+    return Pair{before[0], between[0]};
+  if (!between.empty()) return std::nullopt;
+  if (before.empty() && two && after.size() >= 2) return Pair{after[0], after[1]};
+  if (before.size() == 2 && after.empty()) return Pair{before[0], before[1]};
+  return std::nullopt;
+}
+
+// NPTS and DT of one line, or of two adjacent ones.
+Tokens tokens_of_header(const MotionText& text, Header& header) {
+  Tokens tokens = tokens_of(text.lines[header.line]);
+  if (count_of(tokens, Token::Kind::Step) > 0) return tokens;
+  if (header.line + 1 < text.lines.size()) {
+    const Tokens next = tokens_of(text.lines[header.line + 1]);
+    if (count_of(next, Token::Kind::Step) > 0) {
+      tokens.insert(tokens.end(), next.begin(), next.end());
+      header.end = header.line + 1;
+      return tokens;
+    }
+  }
+  Tokens above = header.line > 0 ? tokens_of(text.lines[header.line - 1]) : Tokens{};
+  if (count_of(above, Token::Kind::Step) == 0) return tokens;
+  above.insert(above.end(), tokens.begin(), tokens.end());
+  return above;
+}
+
+// "NPTS, DT" alone: the numbers are in the line above or below.
+void add_adjacent_numbers(const MotionText& text, Header& header, Tokens& tokens) {
+  const auto two_numbers = [&](std::size_t line) {
+    std::vector<double> numbers;
+    return line < text.lines.size() && is_row(text.lines[line], {}) &&
+           add_numbers(text.lines[line], {}, numbers).empty() && numbers.size() == 2;
+  };
+  const bool is_above = header.line > 0 && two_numbers(header.line - 1);
+  if (!is_above && !two_numbers(header.end + 1)) return;
+  const Tokens numbers = tokens_of(text.lines[is_above ? header.line - 1 : header.end + 1]);
+  tokens.insert(is_above ? tokens.begin() : tokens.end(), numbers.begin(), numbers.end());
+  if (!is_above) ++header.end;
+}
+
+std::optional<std::size_t> line_of_count(const MotionText& text) {
+  for (std::size_t i = 0; i < std::min(text.lines.size(), kMostHeaderLines); ++i)
+    if (count_of(tokens_of(text.lines[i].substr(0, 200)), Token::Kind::Count) > 0) return i;
+  return std::nullopt;
+}
+
+Header read_header(const MotionText& text) {
+  const auto line = line_of_count(text);
+  if (!line)
+    throw Error{fmt::format("{}: no NPTS in the header, {}", text.file.string(), kExpected)};
+  Header header{.line = *line, .end = *line};
+  const auto fail = [&](const std::string& found) {
+    text.fail(header.line, fmt::format("{} in '{}', {}", found,
+                                       trimmed(text.lines[header.line].substr(0, 100)), kExpected));
+  };
+  Tokens tokens = tokens_of_header(text, header);
+  if (count_of(tokens, Token::Kind::Step) == 0) fail("DT not found");
+  if (count_of(tokens, Token::Kind::Step) > 1 || count_of(tokens, Token::Kind::Count) > 1)
+    fail("several NPTS or DT");
+  if (count_of(tokens, Token::Kind::Number) == 0) add_adjacent_numbers(text, header, tokens);
+  const auto values = assigned(tokens);
+  if (!values) fail("numbers are not assigned");
+  const bool is_count_first =
+      std::find_if(tokens.begin(), tokens.end(), is_name)->kind == Token::Kind::Count;
+  header.count = is_count_first ? values->first : values->second;
+  header.step = is_count_first ? values->second : values->first;
+  if (count_of(tokens, Token::Kind::Milli) > 0) header.step *= 1e-3;
+  if (!(header.count >= 2 && header.count < kMostSamples) ||
+      header.count != std::floor(header.count))
+    fail(fmt::format("NPTS is {:g}, expected a whole number above 1,", header.count));
+  if (!(header.step > 0 && header.step <= kLongestStep))
+    fail(fmt::format("DT is {:g} s, expected a positive time of at most {:g} s,", header.step,
+                     kLongestStep));
+  return header;
+}
+
+// Headers of seven lines have text below NPTS, too. Values begin with a number.
+std::size_t first_value(const MotionText& text, std::size_t at) {
+  for (double number = 0; at < std::min(text.lines.size(), 2 * kMostHeaderLines); ++at) {
+    std::string_view line = trimmed(text.lines[at]);
+    if (take_number(line, number)) break;
+  }
+  return at;
+}
+
+}  // namespace
+
+bool has_at2_header(const MotionText& text) {
+  if (line_of_count(text)) return true;
+  for (std::size_t i = 0; i < std::min(text.lines.size(), kMostHeaderLines); ++i) {
+    if (is_row(text.lines[i], kFortran)) return false;
+    const std::string capitals = in_capitals(text.lines[i]);
+    if (states_time_history(capitals) && capitals.find("UNITS OF") != std::string::npos)
+      return true;
+  }
+  return false;
+}
+
+MotionFile read_at2(const MotionText& text) {
+  const Header header = read_header(text);
+  MotionFile motion{text.file, ".AT2", header.step, {}};
+  MotionColumn column;
+  const std::size_t begin = first_value(text, header.end + 1);
+  read_at2_unit(text, begin, column);
+  NumberStyle style = kFortran;
+  style.decimal_comma = has_decimal_commas(text, begin);
+  std::size_t rows = 0;
+  for (std::size_t i = begin; i < text.lines.size(); ++i) {
+    const std::size_t before = column.values.size();
+    if (const auto word = add_numbers(text.lines[i], style, column.values); !word.empty())
+      text.fail(i, fmt::format("'{}' is not a number", word.substr(0, 40)));
+    if (column.values.size() > before) ++rows;
+  }
+  const auto count = static_cast<std::size_t>(header.count), found = column.values.size();
+  // Columns may keep the header: NPTS counts their rows.
+  if (found != count && rows == count && found % count == 0) return read_columns(text);
+  if (found != count)
+    text.fail(std::max<std::size_t>(text.lines.size(), 1) - 1,
+              fmt::format("{} values found, expected NPTS = {}", found, count));
+  motion.columns.push_back(std::move(column));
+  return motion;
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "motion_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::sim {
+namespace {
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_sign(char c) { return c == '+' || c == '-'; }
+
+std::size_t digits_from(std::string_view text, std::size_t at) {
+  while (at < text.size() && is_digit(text[at])) ++at;
+  return at;
+}
+
+// Length of the number at the start of a text; 0: there is none.
+std::size_t length_of_number(std::string_view text) {
+  const std::size_t begin = !text.empty() && is_sign(text.front()) ? 1 : 0;
+  std::size_t end = digits_from(text, begin), digits = end - begin;
+  if (end < text.size() && text[end] == '.') {
+    const std::size_t fraction = end + 1;
+    end = digits_from(text, fraction);
+    digits += end - fraction;
+  }
+  if (digits == 0) return 0;
+  if (end == text.size() || std::string_view{"eEdD"}.find(text[end]) == std::string_view::npos)
+    return end;
+  const std::size_t power = end + 1 < text.size() && is_sign(text[end + 1]) ? end + 2 : end + 1;
+  const std::size_t after = digits_from(text, power);
+  return after > power ? after : end;
+}
+
+bool is_between(char c, NumberStyle style) {
+  return std::isspace(static_cast<unsigned char>(c)) != 0 || c == ';' || c == '"' ||
+         (c == ',' && !style.decimal_comma);
+}
+
+// Numbers of a word, such as the two of "2.91E-03-5.62E-04".
+bool add_word(std::string_view word, NumberStyle style, std::vector<double>& numbers) {
+  std::string with_points;
+  if (style.decimal_comma) {
+    with_points = word;
+    std::replace(with_points.begin(), with_points.end(), ',', '.');
+    word = with_points;
+  }
+  double number = 0;
+  while (take_number(word, number)) {
+    numbers.push_back(number);
+    if (word.empty()) return true;
+    if (!style.glued || !is_sign(word.front())) return false;
+  }
+  return false;
+}
+
+bool has_comma_between_digits(std::string_view line) {
+  for (std::size_t i = 1; i + 1 < line.size(); ++i)
+    if (line[i] == ',' && is_digit(line[i - 1]) && is_digit(line[i + 1])) return true;
+  return false;
+}
+
+}  // namespace
+
+void MotionText::fail(std::size_t line, const std::string& problem) const {
+  throw Error{fmt::format("{}:{}: {}", file.string(), line + 1, problem)};
+}
+
+std::string in_capitals(std::string_view text) {
+  std::string result{text};
+  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
+    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+  });
+  return result;
+}
+
+bool states_time_history(std::string_view capitals) {
+  return capitals.find("TIME HISTORY") != std::string_view::npos ||
+         capitals.find("TIME SERIES") != std::string_view::npos;
+}
+
+bool take_number(std::string_view& text, double& number) {
+  std::array<char, 64> digits{};
+  const std::size_t length = length_of_number(text);
+  if (length == 0 || length > digits.size()) return false;
+  std::transform(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), digits.begin(),
+                 [](char c) { return c == 'd' || c == 'D' ? 'e' : c; });
+  const char* begin = digits.data() + (digits[0] == '+' ? 1 : 0);
+  const char* end = digits.data() + length;
+  const auto [stopped, problem] = std::from_chars(begin, end, number);
+  if (problem != std::errc{} || stopped != end || !std::isfinite(number)) return false;
+  text.remove_prefix(length);
+  return true;
+}
+
+std::string_view add_numbers(std::string_view line, NumberStyle style,
+                             std::vector<double>& numbers) {
+  const auto separates = [&](char c) { return is_between(c, style); };
+  const char* at = line.data();
+  const char* end = at + line.size();
+  while (true) {
+    at = std::find_if_not(at, end, separates);
+    if (at == end) return {};
+    const char* after = std::find_if(at, end, separates);
+    const std::string_view word{at, static_cast<std::size_t>(after - at)};
+    if (!(style.decimal_comma && word == ",") && !add_word(word, style, numbers)) return word;
+    at = after;
+  }
+}
+
+bool is_row(std::string_view line, NumberStyle style) {
+  std::vector<double> numbers;
+  return add_numbers(line, style, numbers).empty() && !numbers.empty();
+}
+
+bool has_decimal_commas(const MotionText& text, std::size_t first_line) {
+  bool has_comma = false;
+  for (std::size_t i = first_line; i < text.lines.size(); ++i) {
+    const auto line = text.lines[i];
+    if (line.empty() || line.front() == '#' || line.front() == '%') continue;
+    if (line.find('.') != std::string_view::npos) return false;
+    if (!has_comma_between_digits(line)) continue;
+    has_comma = true;
+    // A word with two commas holds several numbers.
+    bool is_separated = false;
+    std::size_t commas = 0;
+    for (const char c : line) {
+      const bool is_blank = c == ' ' || c == '\t' || c == ';' || c == '"';
+      is_separated = is_separated || is_blank;
+      commas = is_blank ? 0 : commas + (c == ',' ? 1 : 0);
+      if (commas > 1) return false;
+    }
+    if (!is_separated) return false;
+  }
+  return has_comma;
+}
+
+}  // namespace rths::sim

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <rths/sim/motion_file.hpp>
+
+namespace rths::sim {
+
+/// Lines of a file of ground motion.
+struct MotionText {
+  std::filesystem::path file;
+  std::vector<std::string_view> lines;
+
+  /// @param line  index, from 0   @throws Error "file:line: problem", lines from 1
+  [[noreturn]] void fail(std::size_t line, const std::string& problem) const;
+};
+
+/// Takes a number from the start of a text: "2.91E-03", "+.5" or, from Fortran, "5.0D-03".
+/// @returns false, with the text unchanged: it starts with no finite number
+[[nodiscard]] bool take_number(std::string_view& text, double& number);
+
+/// How numbers are written.
+struct NumberStyle {
+  bool decimal_comma = false;
+  bool glued = false;  ///< a sign may separate them: "2.91E-03-5.62E-04", in columns of Fortran
+};
+
+/// Adds the numbers of a line to `numbers`.
+/// @returns the first word that is no number; empty: there is none
+[[nodiscard]] std::string_view add_numbers(std::string_view line, NumberStyle style,
+                                           std::vector<double>& numbers);
+
+/// Whether all words of a line are numbers, and there is one.
+[[nodiscard]] bool is_row(std::string_view line, NumberStyle style);
+
+/// Whether commas of these lines are decimal: there is no point, and blanks, tabs or semicolons
+/// separate the numbers.
+[[nodiscard]] bool has_decimal_commas(const MotionText& text, std::size_t first_line);
+
+/// In capital letters of ASCII.
+[[nodiscard]] std::string in_capitals(std::string_view text);
+
+/// Whether a title, in capitals, is that of a record.
+[[nodiscard]] bool states_time_history(std::string_view capitals);
+
+/// Reads the unit in the header of an .AT2 file into the heading of its column.
+/// @param end  line after the header   @throws Error if it is not one of acceleration
+void read_at2_unit(const MotionText& text, std::size_t end, MotionColumn& column);
+
+/// Whether a line of the header names NPTS, or states that a time history follows.
+[[nodiscard]] bool has_at2_header(const MotionText& text);
+
+/// @throws Error for a header that is not understood, and for values beside its number
+[[nodiscard]] MotionFile read_at2(const MotionText& text);
+[[nodiscard]] MotionFile read_columns(const MotionText& text);
+
+/// A record of K-NET or KiK-net: counts, of which the mean is the offset.
+[[nodiscard]] bool has_k_net_header(const MotionText& text);
+/// @throws Error for a damaged header, and for a number of values or a peak beside those stated
+[[nodiscard]] MotionFile read_k_net(const MotionText& text);
+
+/// A record of the Engineering Strong-Motion database.
+[[nodiscard]] bool has_esm_header(const MotionText& text);
+/// @throws Error as `read_k_net`, and for velocity and displacement
+[[nodiscard]] MotionFile read_esm(const MotionText& text);
+
+}  // namespace rths::sim
