@@ -26,36 +26,6 @@ std::size_t after_marks(std::string_view text, std::size_t at) {
   return std::min(text.find_first_not_of(" \t:=([", at), text.size());
 }
 
-// "ACCELERATION TIME HISTORY (G)" or "… TIME HISTORY IN G".
-std::optional<UnitText> unit_of_title(const MotionText& text, std::size_t end) {
-  for (std::size_t i = 0; i < end; ++i) {
-    const std::string capitals = in_capitals(text.lines[i]);
-    if (!states_time_history(capitals)) continue;
-    if (const auto open = capitals.find_first_of("(["); open != std::string::npos)
-      return UnitText{i, text.lines[i].substr(after_marks(capitals, open))};
-    if (const auto in = capitals.find(" IN ", capitals.find(" TIME ")); in != std::string::npos)
-      return UnitText{i, text.lines[i].substr(after_marks(capitals, in + 4))};
-  }
-  return std::nullopt;
-}
-
-// After "UNITS OF", "UNITS:" or "UNIT", or in the title.
-std::optional<UnitText> unit_text(const MotionText& text, std::size_t end) {
-  for (std::size_t i = 0; i < end; ++i) {
-    const std::string capitals = in_capitals(text.lines[i]);
-    auto at = capitals.find("UNIT");
-    if (at == std::string::npos || (at > 0 && is_capital(capitals[at - 1]))) continue;
-    at += capitals.compare(at, 5, "UNITS") == 0 ? 5 : 4;
-    if (at < capitals.size() && is_capital(capitals[at])) continue;  // "UNITED"
-    at = after_marks(capitals, at);
-    for (const std::string_view word : {"OF ", "ARE ", "IN ", "IS "})
-      if (capitals.compare(at, word.size(), word) == 0)
-        at = after_marks(capitals, at + word.size());
-    if (at < capitals.size()) return UnitText{i, text.lines[i].substr(at)};
-  }
-  return unit_of_title(text, end);
-}
-
 bool continues_unit(std::string_view rest) {
   rest = trimmed(rest);
   if (rest.empty()) return false;
@@ -78,13 +48,50 @@ StatedUnit leading_unit(std::string_view text) {
   return found;
 }
 
+// "ACCELERATION TIME HISTORY (G)" or "ACCELERATION IN CM/SEC2"; other titles hold other words.
+std::optional<UnitText> unit_of_title(const MotionText& text, std::size_t end) {
+  for (std::size_t i = 0; i < end; ++i) {
+    const std::string capitals = in_capitals(text.lines[i]);
+    const auto title = std::min(capitals.find("ACCEL"), capitals.find("TIME "));
+    if (title == std::string::npos) continue;
+    for (const std::string_view before : {"(", "[", " IN "}) {
+      const auto at = capitals.find(before, title);
+      if (at == std::string::npos) continue;
+      const auto unit = text.lines[i].substr(after_marks(capitals, at + before.size()));
+      const bool is_stated = states_time_history(capitals) || has(unit, "/");
+      if (is_stated || leading_unit(unit).unit != nullptr) return UnitText{i, unit};
+    }
+  }
+  return std::nullopt;
+}
+
+// After "UNITS OF", "UNITS:" or "UNIT", or in the title.
+std::optional<UnitText> unit_text(const MotionText& text, std::size_t end) {
+  for (std::size_t i = 0; i < end; ++i) {
+    const std::string capitals = in_capitals(text.lines[i]);
+    auto at = capitals.find("UNIT");
+    if (at == std::string::npos || (at > 0 && is_capital(capitals[at - 1]))) continue;
+    at += capitals.compare(at, 5, "UNITS") == 0 ? 5 : 4;
+    if (at < capitals.size() && is_capital(capitals[at])) continue;  // "UNITED"
+    at = after_marks(capitals, at);
+    for (const std::string_view word : {"OF ", "ARE ", "IN ", "IS "})
+      if (capitals.compare(at, word.size(), word) == 0)
+        at = after_marks(capitals, at + word.size());
+    if (at < capitals.size()) return UnitText{i, text.lines[i].substr(at)};
+  }
+  return unit_of_title(text, end);
+}
+
 // A title such as "VELOCITY TIME HISTORY".
 const char* quantity_of(std::string_view line) {
   const std::string capitals = in_capitals(line);
-  if (!states_time_history(capitals) && !has(capitals, "UNIT")) return nullptr;
-  if (has(capitals, "ACCEL")) return nullptr;
-  if (has(capitals, "VELOCITY")) return "velocity";
-  return has(capitals, "DISPLACEMENT") ? "displacement" : nullptr;
+  const auto names = [&](std::string_view quantity) {
+    const bool is_title = states_time_history(capitals) || has(capitals, "UNIT");
+    return trimmed(capitals).starts_with(quantity) || (is_title && has(capitals, quantity));
+  };
+  if (names("ACCEL")) return nullptr;
+  if (names("VELOCITY")) return "velocity";
+  return names("DISPLACEMENT") ? "displacement" : nullptr;
 }
 
 }  // namespace

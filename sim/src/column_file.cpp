@@ -218,7 +218,10 @@ class ColumnReader {
     for (std::size_t i = 0; i < names_; ++i) {
       const std::string line = in_small_letters(text_.lines[i]);
       const auto says = [&](const char* word) { return line.find(word) != std::string::npos; };
-      if (!says("unit") && !says("acc") && !says("pga")) continue;
+      const bool is_of_site = says("vs30") || says("shear") || says("wave");
+      if (is_of_site ||
+          !(says("unit") || says("acc") || says("pga") || says("vel") || says("displ")))
+        continue;
       const StatedUnit stated = stated_unit(line);
       const bool is_of_peak = says("max") || says("peak") || says("pga");
       // Whether the peak has the unit of the values is unclear.

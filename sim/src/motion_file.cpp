@@ -49,8 +49,11 @@ const MotionColumn& column_of(const MotionFile& motion, int column) {
 }  // namespace
 
 MotionFile read_motion_file(const std::filesystem::path& file) {
-  const std::string content = read_text(file);
-  if (content.find('\0') != std::string::npos)
+  return read_motion_text(file, read_text(file));
+}
+
+MotionFile read_motion_text(const std::filesystem::path& file, std::string_view content) {
+  if (content.find('\0') != content.npos)
     throw Error{fmt::format("{}: found bytes that are zero, expected text", file.string())};
   reject_foreign(file, content);
   const MotionText text{file, lines_of(without_end_mark(content))};

@@ -33,9 +33,11 @@ constexpr Spelling kSpellings[] = {
     {"gals", kGal},
     {"cm/s2", kGal},
     {"cm/ss", kGal},
+    {"cms2", kGal},
     {"mgal", {"mGal", UnitKind::Acceleration, 1e5 * kStandardGravity}},
     {"m/s2", {"m/s²", UnitKind::Acceleration, kStandardGravity}},
     {"m/ss", {"m/s²", UnitKind::Acceleration, kStandardGravity}},
+    {"ms2", {"m/s²", UnitKind::Acceleration, kStandardGravity}},
     {"mm/s2", {"mm/s²", UnitKind::Acceleration, 1000 * kStandardGravity}},
     {"mm/ss", {"mm/s²", UnitKind::Acceleration, 1000 * kStandardGravity}},
     {"ft/s2", {"ft/s²", UnitKind::Acceleration, kStandardGravity / kFoot}},
@@ -79,9 +81,9 @@ std::string plain(std::string_view text) {
     if (c != ' ' && c != '\t' && c != '^' && c != '*')
       result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
-      {"²", "2"},      {"⁻", "-"},    {"·", ""},    {"seconds", "s"},
-      {"second", "s"}, {"sec.", "s"}, {"sec", "s"}, {"squared", "2"},
-      {"s-2", "/s2"},  {"s-1", "/s"}, {"//", "/"},  {"/s/s", "/s2"}};
+      {"²", "2"},    {"⁻", "-"},   {"·", ""},        {"seconds", "s"}, {"second", "s"},
+      {"sec.", "s"}, {"sec", "s"}, {"squared", "2"}, {".s-2", "/s2"},  {"s-2", "/s2"},
+      {"s-1", "/s"}, {"//", "/"},  {"/s/s", "/s2"}};
   for (const auto& [from, to] : kReplaced) replace_all(result, from, to);
   if (!result.empty() && result.back() == '\xB2') result.back() = '2';  // ² of Latin-1
   return result;
@@ -136,6 +138,27 @@ const MotionUnit* unit_of_quantity(const std::vector<std::string_view>& words) {
   return nullptr;
 }
 
+// "h1_m_s2" and "cm per s2" have no slash.
+std::string with_slashes(std::string_view heading) {
+  std::string text{heading};
+  constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
+      {"% of g", "%g"}, {"% g", "%g"},     {"_per_", "/"},  {" per ", "/"},
+      {"m_s2", "m/s2"}, {"m_s^2", "m/s2"}, {"m_s²", "m/s2"}};
+  for (const auto& [from, to] : kReplaced) replace_all(text, from, to);
+  for (const std::string_view end : {"_m_s", "_cm_s", "_mm_s"})
+    if (text.ends_with(end)) text[text.size() - 2] = '/';
+  return text;
+}
+
+// "in g" or "units: gal"
+std::string_view without_words(std::string_view unit) {
+  for (const std::string_view word : {"units", "unit", ":", "of ", "in "}) {
+    unit = trimmed(unit);
+    if (unit.starts_with(word)) unit.remove_prefix(word.size());
+  }
+  return trimmed(unit);
+}
+
 }  // namespace
 
 const MotionUnit* find_unit(std::string_view name) {
@@ -148,18 +171,17 @@ const MotionUnit* find_unit(std::string_view name) {
 StatedUnit stated_unit(std::string_view heading) {
   const auto within = bracketed(heading);
   if (within)
-    if (const MotionUnit* unit = find_unit(*within)) return {unit, ""};
-  std::string text{heading};
-  replace_all(text, "% of g", "%g");
-  replace_all(text, "% g", "%g");
-  const auto words = words_of(text);
-  if (const MotionUnit* unit = unit_of_words(words)) return {unit, ""};
-  if (const MotionUnit* quantity = unit_of_quantity(words)) return {quantity, ""};
+    if (const MotionUnit* unit = find_unit(without_words(*within))) return {unit, ""};
   // In parentheses there may be any remark.
   const bool is_unit =
       within && !within->empty() && *within != "-" &&
-      (heading.find('[') != std::string_view::npos || within->find('/') != std::string_view::npos);
-  return {nullptr, is_unit ? std::string{*within} : ""};
+      (heading.find('[') != std::string_view::npos || within->find('/') != std::string_view::npos ||
+       unit_of_words(words_of(*within)) != nullptr);
+  if (is_unit) return {nullptr, std::string{*within}};
+  const std::string text = with_slashes(heading);
+  const auto words = words_of(text);
+  if (const MotionUnit* unit = unit_of_words(words)) return {unit, ""};
+  return {unit_of_quantity(words), ""};
 }
 
 }  // namespace rths::sim

@@ -21,10 +21,7 @@ constexpr const char* kTitle = "PEER NGA STRONG MOTION DATABASE RECORD\nSOME EVE
 constexpr const char* kUnits = "ACCELERATION TIME HISTORY IN UNITS OF G\n";
 constexpr const char* kValues = " .1E-01 -.2E-01 .3E-01\n -.4E-01 .5E-01\n -.6E-01 .7E-01 .8E-01\n";
 
-MotionFile read(const std::string& content) {
-  static const test::TemporaryFolder folder;
-  return read_motion_file(folder.write("motion", content));
-}
+MotionFile read(const std::string& content) { return read_motion_text("motion", content); }
 
 std::string error(const std::string& content) {
   return test::error_of([&] { static_cast<void>(read(content)); });
@@ -138,6 +135,8 @@ TEST(At2Units, AreConvertedToG) {
       {"ACCELERATION TIME HISTORY IN UNITS OF M/SEC2", kStandardGravity},
       {"ACCELERATION TIME HISTORY IN UNITS  OF  M/S/S", kStandardGravity},
       {"ACCELERATION TIME HISTORY IN UNITS OF MM/S2", 1000 * kStandardGravity},
+      {"ACCELERATION IN CM/SEC2", 980.665},
+      {"ACCELERATION (CORRECTED), RECORDED IN A TOWN", 1},
       {"NO UNIT", 1}};
   for (const auto& [line, factor] : cases)
     expect_values(acceleration_in_g(read(with_units(line, factor)), 1), kEight, line);
@@ -147,6 +146,7 @@ TEST(At2Units, OfOtherQuantitiesOrUnknownAreRefusedByName) {
   const std::pair<const char*, const char*> cases[] = {
       {"VELOCITY TIME HISTORY IN UNITS OF CM/S", "a record of velocity, expected acceleration"},
       {"DISPLACEMENT TIME HISTORY IN UNITS OF CM", "a record of displacement, expected accel"},
+      {"VELOCITY (CM/S)", "a record of velocity, expected acceleration"},
       {"TIME HISTORY IN UNITS OF CM/SEC", "the unit is cm/s, expected one of acceleration"},
       {"ACCELERATION TIME HISTORY IN UNITS OF G/10", "the unit 'G/10' is unknown"},
       {"ACCELERATION TIME HISTORY IN UNITS OF G / 10", "the unit 'G / 10' is unknown"},
@@ -308,6 +308,11 @@ TEST(ColumnUnits, OfTheHeadingAreConvertedToG) {
       {"t_s,h1_m/s2,h2_m/s2", kStandardGravity},
       {"t_s,h1_g,h2_g", 1},
       {"t,ns_gal,ew_gal", 980.665},
+      {"t,h1_m_s2,h2_m_s2", kStandardGravity},
+      {"t,acc_cms2,acc2_cms2", 980.665},
+      {"t,ns_cm_per_s2,ew_cm_per_s2", 980.665},
+      {"t,ns (in gal),ew (units: gal)", 980.665},
+      {"t,ns [m.s-2],ew [m.s-2]", kStandardGravity},
       {"t,cm/s2,cm/s2", 980.665},
       {"t,ns,ew\ns,gal,gal", 980.665},
       {"t,ns,ew\n[s],[m/s2],[m/s2]", kStandardGravity},
@@ -328,8 +333,8 @@ TEST(ColumnUnits, OfOtherQuantitiesOrUnknownAreRefusedByName) {
               }).find(fmt::format("the column 'ns [{}]' is no acceleration", unit)),
               std::string::npos)
         << unit;
-  for (const char* heading :
-       {"t_s,h1_m/s,h2_m/s", "t,vel_ns,vel_ew", "t,displacement,b", "t,x_m,y_m"})
+  for (const char* heading : {"t_s,h1_m/s,h2_m/s", "t,vel_ns,vel_ew", "t,displacement,b",
+                              "t,h1_m_s,h2_m_s", "Velocity of a station\nt,ns,ew", "t,x_m,y_m"})
     EXPECT_NE(test::error_of([&] {
                 static_cast<void>(acceleration_in_g(read(table(heading)), 1));
               }).find("is no acceleration"),
@@ -339,6 +344,11 @@ TEST(ColumnUnits, OfOtherQuantitiesOrUnknownAreRefusedByName) {
               static_cast<void>(acceleration_in_g(read(table("Max. acc. 345 gal\nt,ns,ew")), 1));
             }).find("the unit 'max. acc. 345 gal'"),
             std::string::npos);
+  EXPECT_NE(
+      test::error_of([&] {
+        static_cast<void>(acceleration_in_g(read(table("t [s],ns (milli g),ew (milli g)")), 1));
+      }).find("the unit 'milli g' of the column 'ns (milli g)' is unknown"),
+      std::string::npos);
   EXPECT_NE(test::error_of([&] {
               static_cast<void>(acceleration_in_g(read(table("t [s],ns [g/10],ew [g/10]")), 1));
             }).find("the unit 'g/10' of the column 'ns [g/10]' is unknown"),
@@ -415,7 +425,7 @@ TEST(MotionFile, OfRandomBytesOrCutAnywhereIsReadOrRefused) {
   const std::string at2 = with_units(kUnits), columns = table("time [s],ns [gal],ew [gal]"),
                     others[] = {at2, columns, k_net(), esm()};
   const std::string alphabet = "0123456789.,;+-eED \t\r\n\"[]()/#%NPTSDT=\xEF\xBB\xBF\x00\xB2gal";
-  for (int trial = 0; trial < 3000; ++trial) {
+  for (int trial = 0; trial < 5000; ++trial) {
     std::string content = others[trial % 4];
     const auto any = [&](std::size_t most) { return random() % most; };
     if (trial % 3 == 0) content.resize(any(content.size()));

@@ -63,6 +63,9 @@ struct MotionFile {
 /// @throws Error with file:line for anything else, for records of velocity or displacement, and for
 ///         a number of values that the file does not state   @setup
 [[nodiscard]] MotionFile read_motion_file(const std::filesystem::path& file);
+/// The same for the content of a file.
+[[nodiscard]] MotionFile read_motion_text(const std::filesystem::path& file,
+                                          std::string_view content);
 
 /// Whether most lines are rows of numbers, or a header is that of an .AT2 file.   @setup
 [[nodiscard]] bool looks_like_motion(std::string_view text);
