@@ -237,7 +237,7 @@ class ColumnReader {
     const std::string heading = in_small_letters(headings_[0]);
     const auto begin = heading.find_last_of("[(_ ");
     if (begin == std::string::npos) return 1;
-    const auto unit = heading.substr(begin + 1, heading.find_last_not_of("])") - begin);
+    const auto unit = heading.substr(begin + 1, heading.find_last_not_of("]).") - begin);
     if (unit == "ms" || unit == "msec") return kMilli;
     if (unit == "µs" || unit == "us") return kMicro;
     const bool is_second = unit.empty() || unit == "-" || unit == "s" || unit == "sec" ||

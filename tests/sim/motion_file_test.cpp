@@ -389,6 +389,7 @@ TEST(ColumnFile, HasATimeInMillisecondsIfItsHeadingSaysSo) {
     EXPECT_NEAR(read(fmt::format("{},a,b\n0,1,1\n5,1,1\n10,1,1\n", heading)).time_step, 0.005,
                 1e-12)
         << heading;
+  EXPECT_NEAR(read("t [sec.],a\n0,1\n.005,1\n").time_step, 0.005, 1e-12);
   EXPECT_NE(error("t [min],a,b\n0,1,1\n5,1,1\n").find("the unit 'min' of the time"),
             std::string::npos);
 }
