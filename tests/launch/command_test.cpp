@@ -383,6 +383,18 @@ TEST(Command, RunNamesAFileThatIsNoExperiment) {
       << from_case.err;
 }
 
+TEST(Command, RunRefusesAKeyOfACaseInAnExperiment) {
+  for (const char* key : {"record", "channels", "run"}) {
+    const auto found =
+        test::run_rths({"run", (test::source_tree() / "examples/srmd_lprb_2d.toml").string(),
+                        "--set", std::string{key} + "=1", "--clock", "virtual"});
+
+    EXPECT_EQ(found.exit_code, 2);
+    EXPECT_NE(found.err.find("unknown key '" + std::string{key} + "'"), std::string::npos)
+        << found.err;
+  }
+}
+
 TEST(Command, NamesAPathThatTheSystemRefuses) {
   const std::string path(300, 'a');
 
