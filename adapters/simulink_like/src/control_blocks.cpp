@@ -91,10 +91,7 @@ void AtsBlock::step(const Wires& w) noexcept {
 void AdaptiveInverseBlock::step(const Wires& w) noexcept {
   const double share = fade(*w.parameter[0] != 0);
   const bool adapt = *w.parameter[1] != 0;
-  // The force ahead is that of the last tick's command.
-  controller::Pace progress = pace(*w.in[3], period);
-  progress.force_share = *w.in[4] != 0 ? last_share : 1;
-  last_share = progress.share;
+  const controller::Pace progress = pace(*w.in[3], period, *w.in[4] != 0);
   for (std::size_t i = 0; i < compensators.size(); ++i) {
     auto& inverse = compensators[i];
     w.out[0][i] = inverse.step(w.in[0][i], w.in[1][i], w.in[2][i], share, adapt, progress);

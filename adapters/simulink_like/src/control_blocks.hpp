@@ -61,7 +61,6 @@ struct AdaptiveInverseBlock {
   Fade fade;
   double period;  ///< [s]
   controller::PaceMeter pace = {};
-  double last_share = 1;
   void step(const Wires& w) RTHS_REALTIME;
 };
 

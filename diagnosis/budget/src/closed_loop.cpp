@@ -162,10 +162,8 @@ class SteppedRun {
       exchange_.end(command_, laboratory_.displacement(), force);
     }
     const bool is_force_ahead = test_.target_force && test_.target_force->lead_time > 0;
-    controller::Pace pace = pace_(command_.lost_time(), test_.period);
-    pace.force_share = is_force_ahead ? sent_.pace.share : 1;
     sent_ = {command_.command(), command_.command_velocity(), command_.command_acceleration(),
-             pace};
+             pace_(command_.lost_time(), test_.period, is_force_ahead)};
     laboratory_.send(compensator_(tick_, sent_, laboratory_.specimen_force()), sent_);
     if (arrives) is_under_way_ = true;
     if (is_under_way_ && exchange_.at_target()) answer();

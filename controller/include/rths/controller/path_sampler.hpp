@@ -20,24 +20,28 @@ struct Pace {
 };
 
 /// Pace of a command from its lost time. The targets after a late one are rougher: its lead leaves
-/// out most of their high derivatives, until the response has come to rest.
+/// out most of their high derivatives for a while.
 class PaceMeter {
  public:
   /// @param lost_time  of the predictor-corrector [s]   @param period  of the ticks [s]
-  /// @returns share and curvature   @realtime
-  Pace operator()(double lost_time, double period) RTHS_REALTIME {
-    const double share = std::clamp(1 - (lost_time - last_) / period, 0.0, 1.0);
+  /// @param is_force_ahead  the force beside it is that of the last tick's command, not measured
+  /// @realtime
+  Pace operator()(double lost_time, double period, bool is_force_ahead = false) RTHS_REALTIME {
+    const double force_share = is_force_ahead ? share_ : 1;
+    share_ = std::clamp(1 - (lost_time - last_) / period, 0.0, 1.0);
     last_ = lost_time;
-    left_out_ += (1 - share) * period / kFall * (kMostLeftOut - left_out_);
-    left_out_ -= share * period / kRise * left_out_;
+    left_out_ += (1 - share_) * period / kFall * (kMostLeftOut - left_out_);
+    left_out_ -= share_ * period / kRise * left_out_;
     if (left_out_ < kNegligible) left_out_ = 0;
-    return {share, 1 - left_out_};
+    return {share_, 1 - left_out_, force_share};
   }
 
  private:
   static constexpr double kFall = 0.005, kRise = 0.2;  // time constants [s]
   static constexpr double kMostLeftOut = 0.7, kNegligible = 1e-3;
-  double last_ = 0, left_out_ = 0;  // of the curvature
+  double last_ = 0;      // lost time [s]
+  double share_ = 1;     // of the last tick
+  double left_out_ = 0;  // of the curvature
 };
 
 /// Samples a signal at equal intervals of its path. At full pace these are the values of the ticks.
