@@ -2,6 +2,7 @@
 #include <rths/adapters/test_setup.hpp>
 
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -61,13 +62,27 @@ int column_of(const Config& table, const std::string& key, int column,
   return static_cast<int>(table.integer_in(name, 1, 100, column));
 }
 
-Component read_component(const Config& table, const std::string& key, int column) {
+/// Files of a motion, each read once: the components often share one.
+class MotionFiles {
+ public:
+  const sim::MotionFile& at(const std::filesystem::path& file) {
+    const auto known = files_.find(file);
+    if (known != files_.end()) return known->second;
+    return files_.emplace(file, sim::read_motion_file(file)).first->second;
+  }
+
+ private:
+  std::map<std::filesystem::path, sim::MotionFile> files_;
+};
+
+Component read_component(const Config& table, const std::string& key, int column,
+                         MotionFiles& files) {
   if (!table.has("file") && !table.has("file_" + key))
     table.fail("file", "[motion] needs 'file', or 'file_long' and 'file_lat'");
   static_cast<void>(table.text("file", ""));  // each component may have its own
   const std::string file_key = table.has("file_" + key) ? "file_" + key : "file";
   const auto file = find_file(table, file_key, "examples/records");
-  const auto motion = sim::read_motion_file(file);
+  const sim::MotionFile& motion = files.at(file);
   const int used = column_of(table, key, column, motion);
   Component component{time_step_of(table, motion), sim::acceleration_in_g(motion, used), {}};
   const auto& read = motion.columns[static_cast<std::size_t>(used - 1)];
@@ -120,8 +135,9 @@ sim::IsolatedPlant read_plant(const Config& table) {
 
 sim::GroundMotion read_motion(const Config& table) {
   check_files(table);
-  const auto longitudinal = read_component(table, "long", 1);
-  const auto lateral = read_component(table, "lat", 2);
+  MotionFiles files;
+  const auto longitudinal = read_component(table, "long", 1, files);
+  const auto lateral = read_component(table, "lat", 2, files);
   check_alike(table, longitudinal, lateral);
   const double scale = table.number_in("scale", 0, 100, 1.0) * kStandardGravity;
   static_cast<void>(table.text("name", ""));
@@ -131,7 +147,7 @@ sim::GroundMotion read_motion(const Config& table) {
   for (const double value : longitudinal.values) motion.long_acceleration.push_back(scale * value);
   for (const double value : lateral.values) motion.lat_acceleration.push_back(scale * value);
   if (table.has("column_vert") || table.has("file_vert")) {
-    const auto vertical = read_component(table, "vert", 3);
+    const auto vertical = read_component(table, "vert", 3, files);
     check_alike(table, longitudinal, vertical);
     motion.sources.push_back(vertical.source);
     for (const double value : vertical.values) motion.vert_acceleration.push_back(scale * value);
