@@ -47,34 +47,50 @@ struct Errors {
   double corrected = 0, uncorrected = 0;
 };
 
+/// Sums up such errors at the targets from 5 s on.
+class ErrorSum {
+ public:
+  void add(int tick, const TargetForce& force, const Vector2d& measured, const Vector2d& wanted) {
+    if (tick % kTicksPerTarget != 0 || tick * kPeriod < 5) return;
+    corrected_ += (measured + force.correction() - wanted).squaredNorm();
+    uncorrected_ += (measured - wanted).squaredNorm();
+    ++count_;
+  }
+  [[nodiscard]] Errors rms() const {
+    return {std::sqrt(corrected_ / count_), std::sqrt(uncorrected_ / count_)};
+  }
+
+ private:
+  double corrected_ = 0, uncorrected_ = 0;
+  int count_ = 0;
+};
+
+/// The tick of the target that is under way.
+int target_of(int tick) { return (tick + kTicksPerTarget - 1) / kTicksPerTarget * kTicksPerTarget; }
+
 /// A machine that is late moves a specimen. Errors of the force at the targets from 5 s on.
 Errors errors_of(double delay, double noise, const TargetForceSettings& settings = {}) {
   TargetForce force{settings};
   Specimen real, wanted;
   std::mt19937_64 random{7};
   std::normal_distribution<double> normal{0, noise};
-  Errors squares;
-  int count = 0;
+  ErrorSum errors;
   // Both start at the target, without force.
   real.at = wanted.at = orbit(0, 0);
   for (int tick = 0; tick < 12'000; ++tick) {
     const double t = tick * kPeriod;
     const Vector2d measured_force = real.move(orbit(t - delay, 0));
     wanted.move(orbit(t, 0));
-    const int ahead = (tick + kTicksPerTarget - 1) / kTicksPerTarget * kTicksPerTarget;
-    const Vector2d target = orbit(ahead * kPeriod, 0);
+    const Vector2d target = orbit(target_of(tick) * kPeriod, 0);
     const Vector2d displacement =
         orbit(t - delay, 0) + 5e-5 * Vector2d{normal(random), normal(random)};
     const Vector2d acceleration =
         orbit(t - delay, 2) + 0.05 * Vector2d{normal(random), normal(random)};
     const Vector2d fed = measured_force + 8e3 * Vector2d{normal(random), normal(random)};
     force.step({target.data(), displacement.data(), acceleration.data(), fed.data()}, true);
-    if (tick % kTicksPerTarget != 0 || t < 5) continue;
-    squares.corrected += (measured_force + force.correction() - wanted.force).squaredNorm();
-    squares.uncorrected += (measured_force - wanted.force).squaredNorm();
-    ++count;
+    errors.add(tick, force, measured_force, wanted.force);
   }
-  return {std::sqrt(squares.corrected / count), std::sqrt(squares.uncorrected / count)};
+  return errors.rms();
 }
 
 // With the true reach among the sliders, the model is exact; the way between targets is not.
@@ -215,29 +231,25 @@ TargetForceSettings assuming(const MakeSpecimen& specimen) {
   return settings;
 }
 
-/// RMS errors of the force of a slider at the targets from 5 s on, with a machine that is 5 ms
-/// late.
+/// The same of a flat slider and a machine that is 5 ms late, along one axis: the motion stops at
+/// each reversal.
 Errors errors_of_a_slider(double friction, const TargetForceSettings& settings) {
   TargetForce force{settings};
   FlatSlider real{friction}, wanted{friction};
-  Errors squares;
+  ErrorSum errors;
   const auto moved = [](FlatSlider& slider, double t) -> Vector2d {
     const Eigen::VectorXd x = line(t, 0), v = line(t, 1);
     return slider.move(x, v, FlatSlider::kLoadAtRest);
   };
-  int count = 0;
   for (int tick = 0; tick < 12'000; ++tick) {
     const double t = tick * kPeriod, late = std::max(0.0, t - 0.005);
     const Vector2d fed = moved(real, late), there = moved(wanted, t);
-    const int ahead = (tick + kTicksPerTarget - 1) / kTicksPerTarget * kTicksPerTarget;
-    const Vector2d target = line(ahead * kPeriod, 0), x = line(late, 0), a = line(late, 2);
+    const Vector2d target = line(target_of(tick) * kPeriod, 0), x = line(late, 0),
+                   a = line(late, 2);
     force.step({target.data(), x.data(), a.data(), fed.data()}, true);
-    if (tick % kTicksPerTarget != 0 || t < 5) continue;
-    squares.corrected += (fed + force.correction() - there).squaredNorm();
-    squares.uncorrected += (fed - there).squaredNorm();
-    ++count;
+    errors.add(tick, force, fed, there);
   }
-  return {std::sqrt(squares.corrected / count), std::sqrt(squares.uncorrected / count)};
+  return errors.rms();
 }
 
 // The assumed friction is a tenth too low. A slider of the assumed reach knows no velocity.

@@ -27,14 +27,22 @@ std::string record(double amplitude, const std::function<double(int row)>& time,
   return text;
 }
 
-constexpr const char* kSolver = R"(format = 1
+/// An experiment with these tables of nodes, beside the recorder.
+std::string experiment(double duration, const std::string& nodes) {
+  return fmt::format(R"(format = 1
 name = "contrary"
 map = "srmd"
 axes = ["long"]
-duration_s = 3
+duration_s = {:g}
 [motion]
 file = "petrolia_1992_riodell_freefield"
-[node.xpc]
+{}[node.recorder]
+adapter = "recorder"
+)",
+                     duration, nodes);
+}
+
+constexpr const char* kSolver = R"([node.xpc]
 adapter = "ideal_machine"
 [node.opf]
 adapter = "plugin"
@@ -42,18 +50,9 @@ role = "solver"
 library = "{library}"
 config.duration_s = 3
 config.fault = "none"
-[node.recorder]
-adapter = "recorder"
 )";
 
-constexpr const char* kMachine = R"(format = 1
-name = "contrary"
-map = "srmd"
-axes = ["long"]
-duration_s = 3
-[motion]
-file = "petrolia_1992_riodell_freefield"
-[node.srmd]
+constexpr const char* kMachine = R"([node.srmd]
 adapter = "plugin"
 role = "machine"
 library = "{library}"
@@ -62,23 +61,12 @@ adapter = "simulink_like"
 diagram = "hybrid_controller"
 [node.opf]
 adapter = "numerical"
-[node.recorder]
-adapter = "recorder"
 )";
 
-constexpr const char* kIdeal = R"(format = 1
-name = "contrary"
-map = "srmd"
-axes = ["long"]
-duration_s = 1.5
-[motion]
-file = "petrolia_1992_riodell_freefield"
-[node.xpc]
+constexpr const char* kIdeal = R"([node.xpc]
 adapter = "ideal_machine"
 [node.opf]
 adapter = "numerical"
-[node.recorder]
-adapter = "recorder"
 )";
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -87,8 +75,11 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text;
 }
 
-std::string with_library(const char* text, const std::string& name) {
-  return replaced(text, "{library}", (test::build_tree() / "broken" / name).string());
+// With a plugin in place of "{library}".
+std::string experiment_with(const std::string& name, const char* nodes) {
+  constexpr double kDuration = 3;  // [s]
+  return replaced(experiment(kDuration, nodes), "{library}",
+                  (test::build_tree() / "broken" / name).string());
 }
 
 }  // namespace
@@ -120,13 +111,13 @@ void ContraryRuns::write_experiments() const {
   const auto add = [&](const std::string& name, const std::string& text) {
     static_cast<void>(folder_.write(name, text));
   };
-  add("solver.toml", with_library(kSolver, "contrary_solver.so"));
+  add("solver.toml", experiment_with("contrary_solver.so", kSolver));
   add("controlled.toml",
-      replaced(with_library(kSolver, "contrary_solver.so"), "adapter = \"ideal_machine\"",
+      replaced(experiment_with("contrary_solver.so", kSolver), "adapter = \"ideal_machine\"",
                "adapter = \"simulink_like\"\ndiagram = \"hybrid_controller\"\n[node.srmd]\n"
                "adapter = \"srmd\""));
-  add("machine.toml", with_library(kMachine, "correct.so"));
-  add("ideal.toml", kIdeal);
+  add("machine.toml", experiment_with("correct.so", kMachine));
+  add("ideal.toml", experiment(1.5, kIdeal));
 }
 
 std::vector<std::string> ContraryRuns::command(const std::string& experiment,
