@@ -35,11 +35,11 @@ int show_shared(const broker::RingReport& ring, const std::vector<card_view::Sha
   fmt::print("{}: {} bytes in shared memory, {} processes, {} cards\n", ring.name, ring.bytes,
              ring.occupants.size(), ring.cards);
   for (const auto& occupant : ring.occupants)
-    fmt::print("  {:<12} process {} {}\n", occupant.node, occupant.pid,
+    fmt::print("  {:<12} {} {}\n", occupant.node, occupant.process,
                occupant.alive ? "alive" : "ended without leaving");
   for (const auto& card : cards) {
     fmt::print("\n{} {}, id {}, {}\n", card.gt ? "GT card" : "card", card.index, card.id,
-               card.process == 0 ? "idle" : fmt::format("of process {}", card.process));
+               card.process.empty() ? "idle" : "of " + card.process);
     if (!card.gt) print_registers(card);
   }
   return kOk;

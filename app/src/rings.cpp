@@ -29,7 +29,7 @@ void describe(const broker::RingReport& ring) {
   fmt::print("{}: {} bytes, map '{}' version {} {}\n", ring.name, ring.bytes, ring.map_name,
              ring.map_version, ring.map_hash);
   for (const auto& occupant : ring.occupants)
-    fmt::print("  {:<12} process {:<8} {} ({} heartbeats)\n", occupant.node, occupant.pid,
+    fmt::print("  {:<12} {:<16} {} ({} heartbeats)\n", occupant.node, occupant.process,
                occupant.alive ? "alive" : "ended without leaving; its slot is free",
                occupant.beats);
   for (const auto& group : ring.torn_groups)
@@ -62,6 +62,7 @@ Json json_of(const broker::RingReport& ring) {
   for (const auto& occupant : ring.occupants)
     json["processes"].push_back({{"node", occupant.node},
                                  {"pid", occupant.pid},
+                                 {"of_this_pid_namespace", occupant.has_pid_here},
                                  {"alive", occupant.alive},
                                  {"heartbeats", occupant.beats}});
   json["torn_groups"] = ring.torn_groups;
@@ -70,7 +71,7 @@ Json json_of(const broker::RingReport& ring) {
 
 /// Removes an unused ring, or prints why not. @returns whether it is removed
 bool remove(const broker::RingReport& ring) {
-  const bool removed = !ring.in_use() && !ring.foreign && broker::remove_ring(ring.name);
+  const bool removed = !ring.foreign && broker::remove_unused_ring(ring.name);
   if (removed)
     fmt::print("removed {}\n", ring.name);
   else

@@ -91,7 +91,7 @@ ForeignStores foreign_stores(broker::Ring& ring, const std::string& name,
     if (still == after.end() || still->second.value != store.value) continue;
     for (const auto& occupant : report->occupants)
       if (occupant.plain && occupant.alive)
-        store.others.push_back(fmt::format("{} (process {})", occupant.node, occupant.pid));
+        store.others.push_back(fmt::format("{} ({})", occupant.node, occupant.process));
     found.try_emplace(offset, store);
   }
   return found;

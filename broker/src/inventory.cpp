@@ -21,7 +21,6 @@ namespace rths::broker {
 namespace {
 
 constexpr const char* kObjectFolder = "/dev/shm";
-constexpr auto kInventoryTimeout = std::chrono::milliseconds{100};  // for a ring in creation
 
 void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& report) {
   for (Slot& slot : segment.slots()) {
@@ -33,8 +32,9 @@ void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& re
                              : node == kCreator ? "creator"
                              : node == kNotYet  ? "joining"
                                                : map.node_name(NodeId{static_cast<uint16_t>(node)});
-    report.occupants.push_back(
-        {name, pid_of(claim), segment.is_member(claim), plain, std::atomic_ref{slot.beats}.load()});
+    report.occupants.push_back({name, pid_of(claim), in_words(claim), is_of_this_namespace(claim),
+                                segment.is_member(claim), plain,
+                                std::atomic_ref{slot.beats}.load()});
   }
 }
 
@@ -52,7 +52,7 @@ std::string other_user_of(const struct stat& object) {
 }
 
 void inspect_segment(RingReport& report) {
-  const auto segment = Segment::attach_shared(report.name, kInventoryTimeout);
+  const auto segment = Segment::attach_shared(report.name);
   const memmap::Map& map = segment->map();
   report.bytes = common_bytes(segment->layout());
   report.map_name = map.description().name;
@@ -104,5 +104,10 @@ std::vector<RingReport> list_rings() {
 std::optional<RingReport> inspect_ring(const std::string& name) { return inspect(name); }
 
 bool remove_ring(const std::string& name) { return remove_object(name); }
+
+bool remove_unused_ring(const std::string& name) {
+  const auto object = SharedObject::open_to_remove(name);
+  return object && remove_object(name);
+}
 
 }  // namespace rths::broker

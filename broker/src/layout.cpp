@@ -102,7 +102,6 @@ std::uint64_t common_bytes(const Header& header) { return header.journals_at; }
 
 bool is_same_layout(const Header& a, const Header& b) {
   const auto layout = [](Header header) {
-    header.ready = 0;
     header.creator = 0;
     header.cards_in_use = 0;
     header.looks = 0;
@@ -143,7 +142,6 @@ void fill(std::byte* base, const Header& header, const memmap::Map& map,
     const memmap::Codec codec{*entry.signal};
     words[entry.signal->offset.value()] = codec.encode(codec.to_si(entry.signal->initial));
   }
-  std::atomic_ref{reinterpret_cast<Header*>(base)->ready}.store(kReady, std::memory_order_release);
 }
 
 }  // namespace rths::broker

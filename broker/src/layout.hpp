@@ -32,10 +32,9 @@ namespace rths::broker {
 //
 // kLayoutVersion is incremented when a program built before would misread any of this.
 inline constexpr std::uint64_t kMagic = 0x474E'4952'5348'5452;  // "RTHSRING" in memory
-inline constexpr std::uint32_t kLayoutVersion = 3;
+inline constexpr std::uint32_t kLayoutVersion = 4;
 inline constexpr std::uint32_t kMaxSlots = 32;
 inline constexpr std::size_t kPageBytes = 4096;
-inline constexpr std::uint32_t kReady = 1;
 inline constexpr std::uint64_t kMostMapText = 4U << 20U;     ///< [B]
 inline constexpr std::uint64_t kMostJournals = 256U << 20U;  ///< of all nodes together [B]
 inline constexpr std::uint32_t kObserver = 0xFFFF;           ///< node id of a slot that only reads
@@ -44,7 +43,7 @@ inline constexpr std::uint32_t kCreator = 0xFFFF'FFFE;       ///< node id of the
 struct alignas(256) Header {
   std::uint64_t magic;
   std::uint32_t layout_version;
-  std::uint32_t ready;    ///< kReady, stored last: then everything else is initialised
+  std::uint32_t unused;
   std::uint64_t creator;  ///< claim of the creating process; see process.hpp
   std::uint64_t map_hash;
   std::uint64_t groups_at, group_count;
@@ -86,7 +85,7 @@ static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 128);
 /// Index of a node in the map and of its journal.
 [[nodiscard]] std::uint32_t node_index(const memmap::Map& map, NodeId node);
 
-/// The layout of a ring with this map: a header with all members but `ready` and `creator`.
+/// The layout of a ring with this map: a header with all members but `creator`.
 /// @throws Error if the text of the map or the journals are too large
 [[nodiscard]] Header plan_layout(const memmap::Map& map, const std::string& map_text,
                                  std::uint32_t journal_bits);
@@ -99,7 +98,7 @@ static_assert(std::is_trivially_copyable_v<Group> && sizeof(Group) == 128);
 [[nodiscard]] bool is_same_layout(const Header& a, const Header& b);
 /// The table of tear groups of a map.
 [[nodiscard]] std::vector<Group> plan_groups(const memmap::Map& map);
-/// Initialises the common section; stores `ready` last.
+/// Initialises the common section.
 void fill(std::byte* base, const Header& header, const memmap::Map& map,
           const std::string& map_text);
 

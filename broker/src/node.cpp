@@ -63,11 +63,11 @@ std::uint32_t claim_slot(Segment& segment, std::uint32_t node) {
 }
 
 // If two processes join as the same node at once, each finds the other here, and both give up.
-std::optional<int> conflicting_process(Segment& segment, const Slot& own, NodeId id) {
+std::optional<Claim> conflicting_process(Segment& segment, const Slot& own, NodeId id) {
   for (Slot& slot : segment.slots()) {
     const Claim holder = shared(slot.claim).load();
     const bool same = shared(slot.node).load() == id.value();
-    if (&slot != &own && holder != 0 && same && segment.is_member(holder)) return pid_of(holder);
+    if (&slot != &own && holder != 0 && same && segment.is_member(holder)) return holder;
   }
   return std::nullopt;
 }
@@ -94,6 +94,7 @@ struct Node::GroupAccess : GroupView {
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
     : segment_{&segment},
       words_{segment.words()},
+      membership_{segment.enter()},
       slot_{claim_slot(segment, id ? id->value() : kObserver)},
       claim_{shared(segment.slots()[slot_].claim).load()} {
   shared(segment.slots()[slot_].plain)
@@ -103,9 +104,9 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
     if (const auto rival = conflicting_process(segment, segment.slots()[slot_], *id)) {
       leave();
       throw Error{
-          fmt::format("node '{}' is already on the ring, as process {}; end that process, or "
-                      "join as another node",
-                      map.node_name(*id), *rival)};
+          fmt::format("node '{}' is already on the ring, as {}; end that process, or join as "
+                      "another node",
+                      map.node_name(*id), in_words(*rival))};
     }
   }
   try {
@@ -161,6 +162,7 @@ void Node::become_plain(NodeId id) noexcept {
 Node::Node(Node&& other) noexcept
     : segment_{std::exchange(other.segment_, nullptr)},
       words_{other.words_},
+      membership_{std::move(other.membership_)},
       slot_{other.slot_},
       claim_{other.claim_},
       own_{std::move(other.own_)},
@@ -172,6 +174,7 @@ Node& Node::operator=(Node&& other) noexcept {
   leave();
   segment_ = std::exchange(other.segment_, nullptr);
   words_ = other.words_;
+  membership_ = std::move(other.membership_);
   slot_ = other.slot_;
   claim_ = other.claim_;
   own_ = std::move(other.own_);
@@ -270,7 +273,8 @@ Presence Node::presence_of(NodeId node) const {
   if (slot == nullptr) return {};
   const Claim claim = shared(slot->claim).load();
   if (claim == 0) return {};
-  return {is_alive(claim) ? Presence::State::Alive : Presence::State::Vanished, pid_of(claim)};
+  return {segment_->is_member(claim) ? Presence::State::Alive : Presence::State::Vanished,
+          pid_of(claim)};
 }
 
 }  // namespace rths::broker

@@ -1,86 +1,155 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "process.hpp"
 
+#include <fcntl.h>
+#include <pthread.h>
+#include <sys/random.h>
 #include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <unistd.h>
 
-#include <fstream>
-#include <optional>
-#include <sstream>
-#include <string>
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
 
 namespace rths::broker {
 namespace {
 
-std::string folder_of(Claim claim) { return "/proc/" + std::to_string(pid_of(claim)); }
+using std::chrono::steady_clock;
 
-// A line is "begin-end permissions offset major:minor inode path", with hexadecimal device numbers.
-bool is_mapping_of(const std::string& line, const ObjectId& object) {
-  std::istringstream fields{line};
-  std::string skipped;
-  unsigned device_major = 0;
-  unsigned device_minor = 0;
-  char colon = ' ';
-  ino_t inode = 0;
-  fields >> skipped >> skipped >> skipped >> std::hex >> device_major >> colon >> device_minor >>
-      std::dec >> inode;
-  return fields && inode == object.inode && makedev(device_major, device_minor) == object.device;
+constexpr unsigned kPidBits = 22;        // as Linux has at most
+constexpr unsigned kNamespaceBits = 21;  // the kernel numbers namespaces from here on:
+constexpr std::uint64_t kFirstNamespace = 0xEFF0'0000;
+constexpr std::uint64_t kNamespaceMask = (1U << kNamespaceBits) - 1;
+constexpr std::uint64_t kRandomMask = (1U << 20U) - 1;
+constexpr auto kRemovalTimeout = std::chrono::seconds{1};  // a removal takes microseconds
+constexpr auto kPoll = std::chrono::milliseconds{1};
+
+/// What a forked child must not keep from its parent. Never destroyed: nodes may be static.
+struct OfThisProcess {
+  std::mutex mutex;
+  std::vector<int> descriptors;
+  std::atomic<Claim> claim{0};
+};
+
+OfThisProcess& of_this_process() {
+  static auto* const own = [] {
+    pthread_atfork([] { of_this_process().mutex.lock(); }, [] { of_this_process().mutex.unlock(); },
+                   [] {
+                     auto& child = of_this_process();
+                     for (const int descriptor : child.descriptors) close(descriptor);
+                     child.descriptors.clear();
+                     child.claim.store(0);
+                     child.mutex.unlock();
+                   });
+    return new OfThisProcess;
+  }();
+  return *own;
 }
 
-// Empty if this user may not see the mappings of the process.
-std::optional<bool> has_mapped(Claim claim, const ObjectId& object) {
-  std::ifstream file{folder_of(claim) + "/maps"};
-  if (!file) return std::nullopt;
-  for (std::string line; std::getline(file, line);)
-    if (is_mapping_of(line, object)) return true;
-  return false;
+std::uint64_t own_namespace() {
+  struct stat status {};
+  return stat("/proc/self/ns/pid", &status) == 0 ? status.st_ino - kFirstNamespace : 0;
 }
 
-std::optional<uid_t> user_of(Claim claim) {
-  std::ifstream file{folder_of(claim) + "/status"};
-  for (std::string word; file >> word;) {
-    uid_t user = 0;
-    if (word == "Uid:" && file >> user) return user;
+std::uint64_t namespace_of(Claim claim) { return claim >> kPidBits & kNamespaceMask; }
+
+Claim new_claim() {
+  std::uint64_t random = 0;
+  if (getrandom(&random, sizeof random, 0) != sizeof random) random = own_namespace();
+  return (random & kRandomMask) << (kPidBits + kNamespaceBits) |
+         (own_namespace() & kNamespaceMask) << kPidBits | static_cast<std::uint64_t>(getpid());
+}
+
+// Locks of an open file description: they belong to a descriptor, not to a process, so closing
+// another descriptor of the same object does not release them.
+struct flock lock_of(short type, Claim begin, off_t length) {
+  struct flock lock {};
+  lock.l_type = type;
+  lock.l_whence = SEEK_SET;
+  lock.l_start = static_cast<off_t>(begin);
+  lock.l_len = length;
+  return lock;
+}
+
+// Waits while another process removes the object.
+void lock_own_claim(int descriptor) {
+  for (const auto deadline = steady_clock::now() + kRemovalTimeout;;) {
+    struct flock lock = lock_of(F_RDLCK, own_claim(), 1);
+    if (fcntl(descriptor, F_OFD_SETLK, &lock) == 0) return;
+    if (errno != EAGAIN && errno != EACCES)
+      throw Error{fmt::format("it cannot be locked: {}", std::strerror(errno))};
+    if (steady_clock::now() >= deadline) throw Error{"another process keeps it locked"};
+    std::this_thread::sleep_for(kPoll);
   }
-  return std::nullopt;
 }
 
-// The first process of a host is none of a ring, but of a container it may be: there it can be
-// seen.
-bool may_write(Claim claim, const ObjectId& object) {
-  const auto user = user_of(claim);
-  if (!user || pid_of(claim) == 1) return false;
-  return *user == object.owner || *user == 0 || (object.mode & (S_IWGRP | S_IWOTH)) != 0;
+// A descriptor with locks of its own: also of an object that has lost its name.
+int open_again(int object) {
+  const int descriptor = open(fmt::format("/proc/self/fd/{}", object).c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor < 0) throw Error{fmt::format("it cannot be locked: {}", std::strerror(errno))};
+  return descriptor;
 }
 
 }  // namespace
 
-// Reads field 22 of /proc/<pid>/stat, counted from behind the command name, which may have spaces.
-// A zombie counts as ended: its memory is released.
-Claim claim_of(int pid) {
-  std::ifstream file{"/proc/" + std::to_string(pid) + "/stat"};
-  std::string line;
-  if (!std::getline(file, line)) return 0;
-  std::istringstream fields{line.substr(line.rfind(')') + 1)};
-  std::string state;
-  fields >> state;
-  if (state == "Z" || state == "X") return 0;
-  std::string skipped;
-  for (int field = 4; field < 22; ++field) fields >> skipped;
-  std::uint64_t started = 0;
-  fields >> started;
-  return started << 32 | static_cast<std::uint32_t>(pid);
+Claim own_claim() {
+  auto& claim = of_this_process().claim;
+  Claim found = claim.load();
+  if (found != 0 && pid_of(found) == getpid()) return found;
+  const Claim fresh = new_claim();
+  return claim.compare_exchange_strong(found, fresh) ? fresh : found;
 }
 
-Claim own_claim() { return claim_of(getpid()); }
-
-bool is_on(Claim claim, const ObjectId& object) {
-  if (!is_alive(claim)) return false;
-  const auto mapped = has_mapped(claim, object);
-  return mapped ? *mapped : may_write(claim, object);
+bool is_of_this_namespace(Claim claim) {
+  return namespace_of(claim) == (own_namespace() & kNamespaceMask);
 }
 
-bool is_alive(Claim claim) { return claim != 0 && claim_of(pid_of(claim)) == claim; }
+std::string in_words(Claim claim) {
+  if (is_of_this_namespace(claim)) return fmt::format("process {}", pid_of(claim));
+  return fmt::format("process {} of PID namespace {} (here: {})", pid_of(claim),
+                     kFirstNamespace + namespace_of(claim), kFirstNamespace + own_namespace());
+}
+
+Membership::Membership(int object) : descriptor_{open_again(object)}, process_{getpid()} {
+  try {
+    lock_own_claim(descriptor_);
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
+  auto& own = of_this_process();
+  const std::lock_guard lock{own.mutex};
+  own.descriptors.push_back(descriptor_);
+}
+
+Membership::~Membership() {
+  if (process_ != getpid()) return;  // closed by the fork
+  auto& own = of_this_process();
+  const std::lock_guard lock{own.mutex};
+  std::erase(own.descriptors, descriptor_);
+  close(descriptor_);
+}
+
+// The lock on all bytes is that of a process that removes the object. If the kernel cannot tell,
+// the process counts as alive.
+bool Members::has(Claim claim) const noexcept {
+  if (object_ < 0 || claim == 0 || claim >> 63U != 0) return false;
+  struct flock lock = lock_of(F_WRLCK, claim, 1);
+  return fcntl(object_, F_OFD_GETLK, &lock) != 0 || lock.l_type == F_RDLCK;
+}
+
+bool Members::exclude() const noexcept {
+  struct flock lock = lock_of(F_WRLCK, 0, 0);
+  return fcntl(object_, F_OFD_SETLK, &lock) == 0;
+}
 
 }  // namespace rths::broker

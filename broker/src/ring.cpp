@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/broker/ring.hpp>
 
-#include <chrono>
-
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
@@ -11,8 +9,6 @@
 
 namespace rths::broker {
 namespace {
-
-constexpr auto kCreatorTimeout = std::chrono::seconds{1};  // for a ring in creation
 
 // @returns false if there is no ring of this name
 // @throws Error if it may not be replaced
@@ -33,14 +29,15 @@ bool is_abandoned(const std::string& name) {
   return true;
 }
 
-// Several processes may replace the same ring at once. The lock is of an object, so the second look
-// is at the object that is removed.
+// Other processes may join or replace the ring meanwhile. The second look is at the object that is
+// removed, and while no process can join it.
 void remove_if_abandoned(const std::string& name) {
   if (!is_abandoned(name)) return;
-  const auto object = SharedObject::open_to_replace(name);
+  const auto object = SharedObject::open_to_remove(name);
   if (!object)
-    throw Error{fmt::format("another process is replacing ring '{}'; choose another name", name)};
-  if (is_abandoned(name) && object->has_name(name)) remove_ring(name);
+    throw Error{
+        fmt::format("another process is using or replacing ring '{}'; choose another name", name)};
+  if (is_abandoned(name)) remove_ring(name);
 }
 
 }  // namespace
@@ -57,9 +54,7 @@ Ring Ring::create(const std::string& name, const memmap::Map& map, std::uint32_t
   return Ring{Segment::create_shared(name, map, journal_bits)};
 }
 
-Ring Ring::attach(const std::string& name) {
-  return Ring{Segment::attach_shared(name, kCreatorTimeout)};
-}
+Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name)}; }
 
 Ring Ring::in_process(const memmap::Map& map, std::uint32_t journal_bits) {
   return Ring{Segment::create_in_process(map, journal_bits)};

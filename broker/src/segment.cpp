@@ -23,23 +23,6 @@
 namespace rths::broker {
 namespace {
 
-using std::chrono::steady_clock;
-
-constexpr auto kReadyPoll = std::chrono::milliseconds{1};
-
-// Until `ready` is set, the creator is initialising the object, or has died doing so.
-bool wait_until_ready(const SharedObject& object, std::chrono::milliseconds timeout) {
-  for (const auto deadline = steady_clock::now() + timeout;;) {
-    Header header{};
-    if (object.read(0, &header, sizeof header)) {
-      if (header.ready == kReady) return true;
-      if (header.creator != 0 && !is_alive(header.creator)) return false;
-    }
-    if (steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(kReadyPoll);
-  }
-}
-
 // A memory larger than any SCRAMNet+ card's stays sparse: no program uses all 128 MB of a GT card.
 std::uint64_t reserved_bytes(const Header& header) {
   return header.memory_bytes > kLargestPlusMemory ? header.memory_at : common_bytes(header);
@@ -113,6 +96,7 @@ struct Segment::Memory {
   std::optional<SharedObject> object;
   Mapping common;
   std::vector<Mapping> journals;
+  std::string name;  ///< of a shared object
   Heap heap;
   std::vector<Heap> journal_heaps;
 
@@ -131,13 +115,8 @@ struct Segment::Memory {
   }
 };
 
-Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::Map map,
-                 bool created)
-    : memory_{std::move(memory)},
-      base_{memory_->base()},
-      layout_{layout},
-      map_{std::move(map)},
-      created_{created} {
+Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::Map map)
+    : memory_{std::move(memory)}, base_{memory_->base()}, layout_{layout}, map_{std::move(map)} {
   memory_->journals.resize(layout_.journal_count);
   memory_->journal_heaps.resize(layout_.journal_count);
   auto* entry = at<Group>(layout_.groups_at);
@@ -149,7 +128,7 @@ Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::M
 
 Segment::~Segment() {
   Claim creator = layout_.creator;
-  if (created_ && pid_of(creator) == getpid())  // not in a forked child
+  if (creator_ && pid_of(creator) == getpid())  // not in a forked child
     std::atomic_ref{slots()[0].claim}.compare_exchange_strong(creator, 0);
 }
 
@@ -168,7 +147,18 @@ Slot* Segment::slot_of(NodeId node) noexcept {
 }
 
 bool Segment::is_member(Claim claim) const {
-  return memory_->object ? is_on(claim, memory_->object->id()) : is_alive(claim);
+  return memory_->object ? memory_->object->members().has(claim) : claim == own_claim();
+}
+
+std::unique_ptr<Membership> Segment::enter() const {
+  if (!memory_->object) return nullptr;
+  try {
+    auto membership = memory_->object->enter();
+    if (!memory_->object->has_name(memory_->name)) throw Error{"it was removed"};
+    return membership;
+  } catch (const Error& error) {
+    throw Error{fmt::format("ring '{}' cannot be joined: {}", memory_->name, error.what())};
+  }
 }
 
 bool Segment::is_lost() const noexcept {
@@ -190,22 +180,26 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
   Header header = plan_layout(map, text, journal_bits);
   header.creator = own_claim();
   auto memory = std::make_unique<Memory>();
+  memory->name = name;
   try {
-    memory->object.emplace(SharedObject::create(name, total_bytes(header)));
-    memory->object->reserve(0, reserved_bytes(header));
-    memory->common = memory->object->map(0, common_bytes(header));
+    const SharedObject& object = memory->object.emplace(SharedObject::create(total_bytes(header)));
+    object.reserve(0, reserved_bytes(header));
+    memory->common = object.map(0, common_bytes(header));
+    fill(memory->base(), header, map, text);
+    auto creator = object.enter();
+    object.publish(name);
+    std::unique_ptr<Segment> segment{new Segment{std::move(memory), header, map}};
+    segment->creator_ = std::move(creator);
+    return segment;
   } catch (const std::exception& error) {
-    if (memory->object) remove_object(name);
     throw Error{fmt::format("ring '{}' ({} bytes of shared memory) cannot be created: {}", name,
                             common_bytes(header), error.what())};
   }
-  fill(memory->base(), header, map, text);
-  return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map, true}};
 }
 
-std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
-                                                std::chrono::milliseconds timeout) {
+std::unique_ptr<Segment> Segment::attach_shared(const std::string& name) {
   auto memory = std::make_unique<Memory>();
+  memory->name = name;
   try {
     memory->object.emplace(SharedObject::open(name));
   } catch (const Error& error) {
@@ -213,15 +207,12 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name,
     throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}{}", name, error.what(),
                                   exists ? "" : "; start its run before the programs on it")};
   }
-  if (!wait_until_ready(*memory->object, timeout))
-    throw Error{
-        fmt::format("ring '{}' was not completed by its creator; 'rths clean' removes it", name)};
   try {
     const Header header = checked_header(*memory->object, name);
     memmap::Map map = checked_map(*memory->object, header);
     check_groups(*memory->object, header, map);
     memory->common = memory->object->map(0, common_bytes(header));
-    return std::unique_ptr<Segment>{new Segment{std::move(memory), header, std::move(map), false}};
+    return std::unique_ptr<Segment>{new Segment{std::move(memory), header, std::move(map)}};
   } catch (const ForeignRing&) {
     throw;
   } catch (const Error& error) {
@@ -237,7 +228,7 @@ std::unique_ptr<Segment> Segment::create_in_process(const memmap::Map& map,
   auto memory = std::make_unique<Memory>();
   memory->heap = zeroed_heap(common_bytes(header));
   fill(memory->base(), header, map, text);
-  return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map, true}};
+  return std::unique_ptr<Segment>{new Segment{std::move(memory), header, map}};
 }
 
 }  // namespace rths::broker

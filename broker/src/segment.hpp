@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -45,11 +44,9 @@ class Segment {
   /// @throws Error if the name is taken or memory is short; leaves no object then
   static std::unique_ptr<Segment> create_shared(const std::string& name, const memmap::Map& map,
                                                 std::uint32_t journal_bits);
-  /// @param timeout  of the wait for a creator that is not finished
   /// @throws ForeignRing if the object may not be opened or its layout version differs; Error if it
   ///         is not a ring, or its header, map, groups or size contradict each other
-  static std::unique_ptr<Segment> attach_shared(const std::string& name,
-                                                std::chrono::milliseconds timeout);
+  static std::unique_ptr<Segment> attach_shared(const std::string& name);
   static std::unique_ptr<Segment> create_in_process(const memmap::Map& map,
                                                     std::uint32_t journal_bits);
 
@@ -71,7 +68,10 @@ class Segment {
   [[nodiscard]] std::span<const GroupView> groups() const { return groups_; }
   [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(layout_.memory_at); }
   [[nodiscard]] Wake& wake() { return *at<Wake>(kWakeAt); }
-  /// True if this process runs and is on the ring.   @setup
+  /// Shows this process to all others on the ring while the result exists; null for a ring of one
+  /// process. @throws Error if the ring was removed, or is being removed   @setup
+  [[nodiscard]] std::unique_ptr<Membership> enter() const;
+  /// True if a process runs and is on the ring.   @setup
   [[nodiscard]] bool is_member(Claim claim) const;
   /// True once a page of the memory was lost, or its header was overwritten.   @realtime
   [[nodiscard]] bool is_lost() const noexcept;
@@ -82,7 +82,7 @@ class Segment {
 
  private:
   struct Memory;
-  Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::Map map, bool created);
+  Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::Map map);
   template <class T>
   [[nodiscard]] T* at(std::uint64_t offset) {
     return reinterpret_cast<T*>(base_ + offset);
@@ -93,7 +93,7 @@ class Segment {
   memmap::Map map_;
   std::vector<GroupView> groups_;
   bool populated_ = false;
-  bool created_;  ///< by this object: the destructor frees the creator's slot
+  std::unique_ptr<Membership> creator_;  ///< if this object created the ring
 };
 
 }  // namespace rths::broker

@@ -2,7 +2,6 @@
 #include "shared_object.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,16 +17,17 @@ namespace rths::broker {
 namespace {
 
 constexpr mode_t kForOwnerAndGroup = 0660;
+constexpr const char* kFolder = "/dev/shm";  // of POSIX shared memory
 
 std::string path_of(const std::string& ring) { return "/" + object_name(ring); }
 
 [[noreturn]] void fail(int problem) { throw Error{std::strerror(problem)}; }
 
-ObjectId id_of(int descriptor) {
+struct stat status_of(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) fail(errno);
   if (!S_ISREG(status.st_mode)) throw Error{"it is no shared memory"};
-  return {status.st_dev, status.st_ino, status.st_uid, status.st_mode};
+  return status;
 }
 
 }  // namespace
@@ -47,10 +47,12 @@ Mapping::~Mapping() {
   munmap(address_, bytes_);
 }
 
-SharedObject::SharedObject(int descriptor) : descriptor_{descriptor}, id_{} {
+SharedObject::SharedObject(int descriptor) : descriptor_{descriptor} {
   if (descriptor < 0) fail(errno);
   try {
-    id_ = id_of(descriptor);
+    const struct stat status = status_of(descriptor);
+    device_ = status.st_dev;
+    inode_ = status.st_ino;
   } catch (...) {
     close(descriptor);
     throw;
@@ -59,34 +61,41 @@ SharedObject::SharedObject(int descriptor) : descriptor_{descriptor}, id_{} {
 
 SharedObject::SharedObject(SharedObject&& other) noexcept
     : descriptor_{std::exchange(other.descriptor_, -1)},
-      id_{other.id_},
+      device_{other.device_},
+      inode_{other.inode_},
       lost_{std::move(other.lost_)} {}
 
 SharedObject::~SharedObject() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-SharedObject SharedObject::create(const std::string& ring, std::uint64_t bytes) {
-  SharedObject object{
-      shm_open(path_of(ring).c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, kForOwnerAndGroup)};
-  if (ftruncate(object.descriptor_, static_cast<off_t>(bytes)) != 0) {
-    const int problem = errno;
-    remove_object(ring);
-    fail(problem);
-  }
+SharedObject SharedObject::create(std::uint64_t bytes) {
+  SharedObject object{::open(kFolder, O_TMPFILE | O_RDWR | O_CLOEXEC, kForOwnerAndGroup)};
+  if (ftruncate(object.descriptor_, static_cast<off_t>(bytes)) != 0) fail(errno);
   return object;
+}
+
+void SharedObject::publish(const std::string& ring) const {
+  const std::string link = "/proc/self/fd/" + std::to_string(descriptor_);
+  if (linkat(AT_FDCWD, link.c_str(), AT_FDCWD, (kFolder + path_of(ring)).c_str(),
+             AT_SYMLINK_FOLLOW) != 0)
+    fail(errno);
 }
 
 SharedObject SharedObject::open(const std::string& ring) {
   return SharedObject{shm_open(path_of(ring).c_str(), O_RDWR | O_CLOEXEC, 0)};
 }
 
-std::optional<SharedObject> SharedObject::open_to_replace(const std::string& ring) {
+std::optional<SharedObject> SharedObject::open_to_remove(const std::string& ring) {
   const int descriptor = shm_open(path_of(ring).c_str(), O_RDWR | O_CLOEXEC, 0);
   if (descriptor < 0 && errno == ENOENT) return std::nullopt;
   std::optional object{SharedObject{descriptor}};
-  if (flock(object->descriptor_, LOCK_EX | LOCK_NB) != 0 || !object->has_name(ring)) object.reset();
+  if (!object->members().exclude() || !object->has_name(ring)) object.reset();
   return object;
+}
+
+std::unique_ptr<Membership> SharedObject::enter() const {
+  return std::make_unique<Membership>(descriptor_);
 }
 
 std::uint64_t SharedObject::size() const {
@@ -106,8 +115,8 @@ bool SharedObject::read(std::uint64_t begin, void* to, std::size_t bytes) const 
 
 bool SharedObject::has_name(const std::string& ring) const {
   struct stat named {};
-  return lstat(("/dev/shm" + path_of(ring)).c_str(), &named) == 0 && named.st_dev == id_.device &&
-         named.st_ino == id_.inode;
+  return lstat((kFolder + path_of(ring)).c_str(), &named) == 0 && named.st_dev == device_ &&
+         named.st_ino == inode_;
 }
 
 // Pages are reserved in advance: a page that is missing later is lost memory.

@@ -39,19 +39,25 @@ class Mapping {
 /// at any time.
 class SharedObject {
  public:
-  /// Creates an object of this size, writable for owner and group as far as the umask permits.
-  /// @throws Error if the name is taken or memory is short
-  [[nodiscard]] static SharedObject create(const std::string& ring, std::uint64_t bytes);
+  /// Creates an object of this size without a name, writable for owner and group as far as the
+  /// umask permits. @throws Error if memory is short
+  [[nodiscard]] static SharedObject create(std::uint64_t bytes);
+  /// Gives the object the name of a ring, at which others find it from now on.
+  /// @throws Error if the name is taken
+  void publish(const std::string& ring) const;
   /// @throws Error with the reason of the system
   [[nodiscard]] static SharedObject open(const std::string& ring);
-  /// The same, as the one process that may replace the object until it is closed; empty if another
-  /// process has replaced it, or is doing so.
-  [[nodiscard]] static std::optional<SharedObject> open_to_replace(const std::string& ring);
+  /// The same, to remove or replace the object: until it is closed, no process can join the ring.
+  /// Empty if a process is on it, or another one removes it.
+  [[nodiscard]] static std::optional<SharedObject> open_to_remove(const std::string& ring);
   SharedObject(SharedObject&& other) noexcept;
   SharedObject& operator=(SharedObject&&) = delete;
   ~SharedObject();
 
-  [[nodiscard]] const ObjectId& id() const { return id_; }
+  /// The processes on the ring.
+  [[nodiscard]] Members members() const { return Members{descriptor_}; }
+  /// @throws Error if the object is locked
+  [[nodiscard]] std::unique_ptr<Membership> enter() const;
   /// Present size [B]; 0 if it is not known.
   [[nodiscard]] std::uint64_t size() const;
   /// Copies bytes. @returns false if the object is shorter
@@ -68,7 +74,8 @@ class SharedObject {
  private:
   explicit SharedObject(int descriptor);
   int descriptor_;
-  ObjectId id_;
+  dev_t device_ = 0;
+  ino_t inode_ = 0;
   std::unique_ptr<std::atomic<bool>> lost_ = std::make_unique<std::atomic<bool>>(false);
 };
 

@@ -36,9 +36,9 @@ struct Watch::State {
     explicit OnlyWatch(Segment& segment) : watcher_{segment.header().watcher}, self_{own_claim()} {
       Claim holder = watcher_.load();
       if (segment.is_member(holder) || !watcher_.compare_exchange_strong(holder, self_))
-        throw Error{fmt::format(
-            "process {} watches the ring, expected one watch of a ring; end that process",
-            pid_of(holder))};
+        throw Error{
+            fmt::format("{} watches the ring, expected one watch of a ring; end that process",
+                        in_words(holder))};
     }
     ~OnlyWatch() {
       if (pid_of(self_) == getpid()) watcher_.compare_exchange_strong(self_, 0);
@@ -116,7 +116,7 @@ Claim Watch::State::plain_holder(NodeId id) {
   Slot* slot = segment.slot_of(id);
   if (slot == nullptr || std::atomic_ref{slot->plain}.load() == 0) return 0;
   const Claim claim = std::atomic_ref{slot->claim}.load();
-  return is_alive(claim) ? claim : 0;
+  return segment.is_member(claim) ? claim : 0;
 }
 
 // A plain client may join, store and leave between two looks.

@@ -36,11 +36,15 @@ int request_stop(const std::string& ring) {
   if (!report->usable) throw Error{report->trouble};
   const auto launcher = std::find_if(
       report->occupants.begin(), report->occupants.end(), [](const broker::Occupant& occupant) {
-        return occupant.node == "creator" && occupant.alive && handles_stop(occupant.pid);
+        return occupant.node == "creator" && occupant.alive &&
+               !(occupant.has_pid_here && !handles_stop(occupant.pid));
       });
   if (launcher == report->occupants.end())
     throw Error{
         fmt::format("ring '{}' has no launcher: expected the ring of a running test", ring)};
+  if (!launcher->has_pid_here)
+    throw Error{fmt::format("the run on ring '{}' has {}: ask it to end in that namespace", ring,
+                            launcher->process)};
   if (kill(launcher->pid, kStopSignal) != 0)
     throw Error{
         fmt::format("process {} cannot be asked to end the run on ring '{}'", launcher->pid, ring)};

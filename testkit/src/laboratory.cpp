@@ -61,7 +61,7 @@ void remove_rings_of_killed_tests() {
     const int process = process_of(report.name);
     if (process > 0 && report.usable && !report.in_use() && ::kill(process, 0) != 0 &&
         errno == ESRCH)
-      broker::remove_ring(report.name);
+      broker::remove_unused_ring(report.name);
   }
 }
 

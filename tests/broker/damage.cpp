@@ -186,7 +186,7 @@ RingImage ring_to_damage() {
       static_cast<void>(writer.write(LongwordOffset{58}, i));
     }
   }
-  const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+  const auto segment = Segment::attach_shared(name);
   const Header& layout = segment->layout();
   segment->slots()[0].claim = 0;
   segment->slots()[1] = {kDead, 1, 0, 5, 0};

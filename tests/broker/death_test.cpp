@@ -59,7 +59,7 @@ class Aftermath {
  public:
   Aftermath(const std::string& ring, const std::string& copy) : removal_{copy} {
     copy_object("/dev/shm/" + object_name(ring), "/dev/shm/" + object_name(copy));
-    segment_ = Segment::attach_shared(copy, std::chrono::milliseconds{0});
+    segment_ = Segment::attach_shared(copy);
     mark_as_dead(*segment_, NodeId{1});
     ring_.emplace(Ring::attach(copy));
   }
@@ -178,7 +178,7 @@ class DeadWriter : public ::testing::Test {
   std::string name = unique_ring("dead_writer");
   RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map(kWords), 6);
-  std::unique_ptr<Segment> segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+  std::unique_ptr<Segment> segment = Segment::attach_shared(name);
   JournalView journal = segment->journal(0);
   std::vector<std::uint32_t> ones = std::vector<std::uint32_t>(kWords, 1);
   std::vector<std::uint32_t> twos = std::vector<std::uint32_t>(kWords, 2);

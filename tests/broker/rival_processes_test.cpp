@@ -63,10 +63,10 @@ TEST(RivalProcesses, ANodeThatWasTakenForDeadDoesNotFreeTheSlotOfItsSuccessor) {
   const std::string name = unique_ring("taken");
   const RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map());
-  const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+  const auto segment = Segment::attach_shared(name);
   std::optional machine{ring.join("machine", 0)};
   Slot& slot = *segment->slot_of(NodeId{1});
-  const Claim successor = claim_of(1);
+  const Claim successor = own_claim() + 1;
   slot.claim = successor;
 
   machine.reset();
@@ -79,12 +79,12 @@ TEST(RivalProcesses, OnlyOneOfThemReplacesARing) {
   const std::string name = unique_ring("replaced");
   const RingRemoval removal{name};
   { const Ring abandoned = Ring::create(name, small_map()); }
-  auto first = SharedObject::open_to_replace(name);
+  auto first = SharedObject::open_to_remove(name);
   ASSERT_TRUE(first);
 
-  EXPECT_FALSE(SharedObject::open_to_replace(name));
+  EXPECT_FALSE(SharedObject::open_to_remove(name));
   EXPECT_EQ(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }),
-            "another process is replacing ring '" + name + "'; choose another name");
+            "another process is using or replacing ring '" + name + "'; choose another name");
 
   first.reset();
   EXPECT_EQ(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }), "");
@@ -94,7 +94,7 @@ TEST(RivalProcesses, ARingThatHasBeenReplacedIsNotTheOneThatWasInspected) {
   const std::string name = unique_ring("inspected");
   const RingRemoval removal{name};
   { const Ring abandoned = Ring::create(name, small_map()); }
-  const auto inspected = SharedObject::open_to_replace(name);
+  const auto inspected = SharedObject::open_to_remove(name);
   ASSERT_TRUE(inspected && inspected->has_name(name));
 
   remove_ring(name);

@@ -123,7 +123,7 @@ TEST(SharedRing, ReadsTheLastWholeGroupWhenItsWriterDiedInTheMiddle) {
     Node machine = ring.join("machine", 0);
     ASSERT_EQ(machine.write_group(TearGroupId{0}, sent), Status::Ok);
   }
-  const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+  const auto segment = Segment::attach_shared(name);
   std::uint32_t* record = segment->groups()[0].record;
   record[0] += 1;
   record[1] = 99;
@@ -253,7 +253,6 @@ TEST(SharedRing, RefusesMemoryThatIsNotARing) {
   const std::string name = unique_ring("foreign");
   Header header{};
   header.magic = 0x1234;
-  header.ready = kReady;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
   EXPECT_NE(
@@ -267,7 +266,6 @@ TEST(SharedRing, RefusesALayoutOfAnotherVersion) {
   Header header{};
   header.magic = kMagic;
   header.layout_version = kLayoutVersion + 1;
-  header.ready = kReady;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
   const std::string expected = "its layout is version " + std::to_string(kLayoutVersion + 1) +
                                ", this program's is " + std::to_string(kLayoutVersion);
@@ -279,7 +277,6 @@ TEST(SharedRing, RefusesALayoutOfAnotherVersion) {
 TEST(SharedRing, RefusesARingWhoseSizeDiffersFromItsHeader) {
   const std::string name = unique_ring("size");
   Header header = plan_layout(small_map(), "", 6);
-  header.ready = kReady;
   const ForeignObject foreign{name, &header, sizeof header, 8192};
 
   EXPECT_NE(
@@ -298,7 +295,6 @@ TEST(SharedRing, RefusesAHeaderThatPointsOutsideItsMemory) {
     for (const std::uint64_t value :
          {std::uint64_t{1} << 40, ~std::uint64_t{0}, std::uint64_t{5}}) {
       Header header = plan_layout(small_map(), "", 6);
-      header.ready = kReady;
       const std::uint64_t size = total_bytes(header);
       header.*field = value;
       const ForeignObject foreign{name, &header, sizeof header, size};
@@ -312,7 +308,7 @@ TEST(SharedRing, RefusesAMapThatDoesNotMatchItsHeader) {
   const std::string name = unique_ring("other_map");
   const RingRemoval removal{name};
   const Ring ring = Ring::create(name, small_map());
-  Segment::attach_shared(name, std::chrono::milliseconds{0})->header().map_hash ^= 1;
+  Segment::attach_shared(name)->header().map_hash ^= 1;
 
   EXPECT_NE(test::error_of([&] {
               static_cast<void>(Ring::attach(name));
@@ -326,7 +322,7 @@ TEST(SharedRing, RefusesATableOfGroupsThatDoesNotMatchItsMap) {
       const std::string name = unique_ring("groups");
       const RingRemoval removal{name};
       const Ring ring = Ring::create(name, small_map());
-      const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
+      const auto segment = Segment::attach_shared(name);
       auto* table = reinterpret_cast<Group*>(reinterpret_cast<std::byte*>(&segment->header()) +
                                              segment->layout().groups_at);
       if (table->*field == value) continue;
@@ -339,14 +335,13 @@ TEST(SharedRing, RefusesATableOfGroupsThatDoesNotMatchItsMap) {
     }
 }
 
-// The first process of the host runs, but is on no ring.
-TEST(SharedRing, CountsAProcessOnlyIfItHasMappedTheRing) {
+// This process runs and has mapped the ring, but is not on it.
+TEST(SharedRing, CountsAProcessOnlyIfItIsOnTheRing) {
   const std::string name = unique_ring("claimed");
   const RingRemoval removal{name};
   { const Ring ring = Ring::create(name, small_map()); }
-  const auto segment = Segment::attach_shared(name, std::chrono::milliseconds{0});
-  for (Slot& slot : segment->slots()) slot = {claim_of(1), 1, 0, 1, 0};
-  ASSERT_TRUE(is_alive(claim_of(1)));
+  const auto segment = Segment::attach_shared(name);
+  for (Slot& slot : segment->slots()) slot = {own_claim(), 1, 0, 1, 0};
 
   EXPECT_EQ(report_of(name).occupants.size(), kMaxSlots);
   EXPECT_FALSE(report_of(name).in_use());
@@ -391,19 +386,6 @@ TEST(SharedRing, OfAnotherUserIsNamedAndNotOpened) {
   EXPECT_TRUE(report.foreign);
   EXPECT_EQ(test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); }),
             report.trouble + "; choose another name");
-}
-
-TEST(SharedRing, DoesNotWaitForACreatorThatDied) {
-  const std::string name = unique_ring("unfinished");
-  Header header{};
-  header.magic = kMagic;
-  header.creator = 1ULL << 40 | 999'999'999;  // no process
-  const ForeignObject foreign{name, &header, sizeof header, 8192};
-
-  EXPECT_NE(test::error_of([&] {
-              static_cast<void>(Ring::attach(name));
-            }).find("was not completed by its creator; 'rths clean' removes it"),
-            std::string::npos);
 }
 
 }  // namespace

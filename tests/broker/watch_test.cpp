@@ -30,7 +30,7 @@ class WatchTest : public ::testing::Test {
                                  ::testing::UnitTest::GetInstance()->current_test_info()->name());
   RingRemoval removal{name};
   Ring ring = Ring::create(name, small_map(), 8);
-  std::unique_ptr<Segment> segment = Segment::attach_shared(name, milliseconds{0});
+  std::unique_ptr<Segment> segment = Segment::attach_shared(name);
   Node controller = ring.join("controller", 0);
 
   void store(LongwordOffset offset, std::uint32_t value) {

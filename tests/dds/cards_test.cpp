@@ -169,7 +169,7 @@ TEST_F(CardsTest, SendInterruptsOfAQueueOnceAndCountOverwrittenOnes) {
 
   const auto self = broker::own_claim();
   for (std::uint32_t i = 0; i < 1200; ++i)
-    ASSERT_TRUE(push(copy, {1, 7, i % 2 == 0 ? 5U : 6U, i}, self));
+    ASSERT_TRUE(push(copy, {1, 7, i % 2 == 0 ? 5U : 6U, i}, self, broker::Members{-1}));
   std::vector<Cards::Interrupt> taken;
   EXPECT_EQ(first_.cards.take_interrupts(TimePoint{1}, taken), 1200U - 1023U);
   ASSERT_EQ(taken.size(), 1023U);
@@ -195,7 +195,7 @@ TEST_F(CardsTest, ResetACopyWhenItsNodeLeaves) {
     ASSERT_TRUE(first_.cards.apply(node(1), message));
   const auto copy = first_.card(node(1));
   EXPECT_EQ(copy.acr[5].load(), kTie);
-  ASSERT_TRUE(push(copy.card->gt, {1, 7, 5, 1}, broker::own_claim()));
+  ASSERT_TRUE(push(copy.card->gt, {1, 7, 5, 1}, broker::own_claim(), broker::Members{-1}));
   first_.cards.release(node(1));
   EXPECT_EQ(copy.acr[5].load(), 0U);
   EXPECT_EQ(copy.card->gt.cr[scramnet::gt::kBroadcastMask].load(), 0U);

@@ -19,6 +19,7 @@
 #include "fifo.hpp"
 #include "gt_queue.hpp"
 #include "settings.hpp"
+#include "shared_object.hpp"
 #include "support/files.hpp"
 #include "support/ring_maps.hpp"
 
@@ -26,6 +27,7 @@ namespace rths::scramnet {
 namespace {
 
 constexpr broker::Claim kDead = 1ULL << 40 | 999'999'999;
+const broker::Members kNobody{-1};
 
 class Cards : public testing::Test {
  protected:
@@ -194,12 +196,12 @@ TEST(InterruptFifo, KeepsOrderAndItsOldestEntries) {
 TEST(GtQueue, SkipsAWriterThatDied) {
   const auto card = std::make_unique<GtCard>();
   const broker::Claim self = broker::own_claim();
-  ASSERT_TRUE(push(*card, {1, 2, 3, 4}, self));
+  ASSERT_TRUE(push(*card, {1, 2, 3, 4}, self, kNobody));
   card->queue[1].writer.store(kDead);  // died after it reserved the entry
-  ASSERT_TRUE(push(*card, {1, 2, 3, 5}, self));
+  ASSERT_TRUE(push(*card, {1, 2, 3, 5}, self, kNobody));
   card->queue[2].writer.store(kDead);  // died after it wrote the entry, before it moved the tail
   card->queue[2].stamp.store(3);
-  ASSERT_TRUE(push(*card, {1, 2, 3, 6}, self));
+  ASSERT_TRUE(push(*card, {1, 2, 3, 6}, self, kNobody));
 
   GtInterrupt found;
   EXPECT_EQ(card->tail.load(), 4U);
@@ -211,11 +213,14 @@ TEST(GtQueue, LosesNothingWithSeveralWriters) {
   constexpr std::uint32_t kThreads = 4, kEach = 250;
   const auto card = std::make_unique<GtCard>();
   const broker::Claim self = broker::own_claim();
+  const auto object = broker::SharedObject::create(4096);
+  const auto membership = object.enter();
+  const broker::Members members = object.members();
   std::vector<std::thread> threads;
   for (std::uint32_t t = 0; t < kThreads; ++t)
     threads.emplace_back([&, t] {
       for (std::uint32_t i = 0; i < kEach; ++i)
-        while (!push(*card, {1, t, 0, i}, self)) std::this_thread::yield();
+        while (!push(*card, {1, t, 0, i}, self, members)) std::this_thread::yield();
     });
   for (auto& thread : threads) thread.join();
 

@@ -11,14 +11,14 @@
 namespace rths::card_view {
 namespace {
 
-SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& mapped) {
+SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& mapped,
+                   broker::Claim holder) {
   const scramnet::Card& card = *mapped.card;
   SharedCard view;
   view.index = index;
   view.gt = mapped.acr == nullptr;
   view.id = view.gt ? scramnet::node_id(card.gt) : card.plus.csr[3].load() >> 8 & 0xFF;
-  const broker::Claim holder = card.holder.load();
-  view.process = holder != 0 && broker::is_alive(holder) ? broker::pid_of(holder) : 0;
+  view.process = holder == 0 ? "" : broker::in_words(holder);
   for (std::size_t csr = 0; csr < view.csr.size(); ++csr)
     view.csr[csr] = card.plus.csr[csr].load() & 0xFFFF;
   view.csr[1] = (card.plus.latched.load() & 0xFFFF) |
@@ -43,7 +43,8 @@ std::vector<SharedCard> cards_of(const std::string& name) {
   const scramnet::CardTable cards{ring, name};
   std::vector<SharedCard> views;
   for (std::uint32_t index = 0; index < cards.count(); ++index)
-    if (const auto card = cards.at(index)) views.push_back(view_of(index, *card));
+    if (const auto card = cards.at(index))
+      views.push_back(view_of(index, *card, cards.holder_of(*card->card)));
   return views;
 }
 

@@ -113,7 +113,7 @@ Cards::Copy& Cards::copy_of(NodeId node) {
   const auto view = index ? table_.at(*index) : std::nullopt;
   if (!view) throw Error{"all cards of the ring are in use"};
   if (const auto holder = view->card->holder.load(); holder != self)  // a named card is shared
-    throw Error{fmt::format("process {} of this host has the card", broker::pid_of(holder))};
+    throw Error{fmt::format("{} has the card", broker::in_words(holder))};
   view->card->is_copy.store(1);
   auto& gt = view->card->gt;
   gt.cr[scramnet::gt::kBroadcastMask].store(0xFFFF'FFFF);
@@ -188,7 +188,8 @@ bool Cards::deliver(std::span<const std::uint32_t> values) {
   if (!view || copies_.contains(node)) return true;  // for another host
   const GtInterrupt interrupt{values[1], values[2], values[3], values[4]};
   auto& gt = view->card->gt;
-  if (accepts(gt, interrupt.type, interrupt.id) && push(gt, interrupt, broker::own_claim()))
+  if (accepts(gt, interrupt.type, interrupt.id) &&
+      push(gt, interrupt, broker::own_claim(), table_.members()))
     gt.counts[scramnet::kReceived].fetch_add(1);
   return true;
 }

@@ -40,8 +40,9 @@ class Engine {
   void write_cr(std::uint32_t node, std::uint32_t offset, std::uint32_t value);
   Access send_interrupt(std::uint32_t node, const Entry& interrupt);
 
-  /// Uses a card in the object of an image, whose host is another process.
-  void share(std::uint32_t node, scramnet::Card& card, scramnet::Word* acr);
+  /// Uses a card in the object of an image, whose host is another process, one of `members`.
+  void share(std::uint32_t node, scramnet::Card& card, scramnet::Word* acr,
+             broker::Members members);
   /// Takes what that host has done to its registers, and shows it the state of the card.
   void exchange(std::uint32_t node);
   /// Time of the registers at time 0 of the ring [ns]; by default 0.

@@ -159,7 +159,7 @@ void Images::State::share_cards() {
     const auto card = index ? table.at(*index) : std::nullopt;
     if (!card) throw Error{fmt::format("ring '{}' has no card", image_name(name, images[at].node))};
     const std::uint32_t csr0 = cards.card(at).peek_csr(0);
-    cards.engine_->share(at, *card->card, card->acr);
+    cards.engine_->share(at, *card->card, card->acr, table.members());
     cards.card(at).write_csr(2, options.csr2);
     cards.card(at).write_csr(0, csr0);
     if (!image.node.empty()) image.watch = std::make_unique<broker::Watch>(image.ring);

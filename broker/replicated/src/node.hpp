@@ -78,6 +78,7 @@ struct Node {
   std::unique_ptr<scramnet::PlusCard> own_plus;
   scramnet::PlusCard* plus = nullptr;  ///< own, or in `shared`
   scramnet::Card* shared = nullptr;    ///< card in the object of an image
+  broker::Members members{-1};         ///< of that image
   std::unique_ptr<scramnet::GtCard> gt;
   std::uint32_t hipro_longword = kNone;  ///< whose bytes are being collected
   std::uint8_t hipro_bytes = 0;

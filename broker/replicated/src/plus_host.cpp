@@ -146,9 +146,11 @@ void Engine::set_acr(std::uint32_t at, std::uint32_t longword, std::uint32_t bit
   if (longword < cells.size()) cells.set(longword, bits);
 }
 
-void Engine::share(std::uint32_t at, scramnet::Card& card, scramnet::Word* acr) {
+void Engine::share(std::uint32_t at, scramnet::Card& card, scramnet::Word* acr,
+                   broker::Members members) {
   Node& node = nodes_[at];
   node.shared = &card;
+  node.members = members;
   node.plus = &card.plus;
   node.acr.share(acr);
   power_up(at);

@@ -121,7 +121,7 @@ bool Engine::store_gt_data(Node& node, const Message& message, bool own) {
 
 // A card in an image has its host in another process.
 void Engine::interrupt_host(Node& node) {
-  if (node.shared != nullptr) return deliver_if_due(*node.shared);
+  if (node.shared != nullptr) return deliver_if_due(*node.shared, node.members);
   static_cast<void>(registers(node).take_host_interrupt());
 }
 

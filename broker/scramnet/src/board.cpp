@@ -106,13 +106,13 @@ void Board::control_changed(std::uint32_t before) {
   }
   if (scanner_.is_enabled() && ((changed & kRelevant) != 0 || window_closed)) scanner_.reset();
   update_thread();
-  deliver_if_due(session_.card());
+  deliver_if_due(session_.card(), session_.members());
 }
 
 void Board::warn_of_shared_id() {
   const std::uint32_t id = registers().peek(3) >> 8;
   session_.for_each_card([&](const CardSession::CardView& card) {
-    if (card.card != &session_.card() && broker::is_alive(card.card->holder.load()) &&
+    if (card.card != &session_.card() && session_.is_held(*card.card) &&
         Registers{*card.card}.peek(3) >> 8 == id)
       warn_once("id",
                 "another node of the ring has the same id; real cards would discard each "
@@ -128,7 +128,7 @@ bool Board::others_are_active() const {
   bool found = false;
   session_.for_each_card([&](const CardSession::CardView& card) {
     const std::uint32_t csr0 = Registers{*card.card}.peek(0);
-    found |= card.card != &session_.card() && broker::is_alive(card.card->holder.load()) &&
+    found |= card.card != &session_.card() && session_.is_held(*card.card) &&
              (csr0 & (csr0::kReceive | csr0::kTransmit)) != 0;
   });
   return found;

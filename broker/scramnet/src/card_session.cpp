@@ -16,8 +16,6 @@
 namespace rths::scramnet {
 namespace {
 
-using broker::is_alive;
-
 std::optional<std::uint16_t> number_of(const std::string& text) {
   std::uint16_t number = 0;
   const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -25,11 +23,11 @@ std::optional<std::uint16_t> number_of(const std::string& text) {
   return number;
 }
 
-void announce_sharing(const Settings& settings, int process) {
-  if (process == getpid()) return;
-  warn_once("shared", fmt::format("node '{}' of ring '{}' is also process {}", settings.node,
-                                  settings.ring, process)
-                          .c_str());
+void announce_sharing(const Settings& settings, const std::string& process) {
+  if (process == broker::in_words(broker::own_claim())) return;
+  warn_once("shared",
+            fmt::format("node '{}' of ring '{}' is also {}", settings.node, settings.ring, process)
+                .c_str());
 }
 
 // Announces the process that is this node already.
@@ -41,10 +39,10 @@ void check_rival(const Settings& settings) {
     if (!rival.alive || rival.node != settings.node) continue;
     if (!rival.plain && !settings.share)
       throw Error{fmt::format(
-          "node '{}' of ring '{}' is process {}, which writes its words; choose another node, or "
+          "node '{}' of ring '{}' is {}, which writes its words; choose another node, or "
           "set {}SHARE=1 to store into them too",
-          settings.node, settings.ring, rival.pid, settings.variables)};
-    announce_sharing(settings, rival.pid);
+          settings.node, settings.ring, rival.process, settings.variables)};
+    announce_sharing(settings, rival.process);
   }
 }
 
@@ -109,9 +107,9 @@ void CardSession::take_card(const Settings& settings) {
     throw Error{fmt::format("ring '{}': all {} cards are in use", settings.ring, cards_->count())};
   index_ = *taken;
   own_ = *cards_->at(index_);
-  const broker::Claim holder = own_.card->holder.load();
   if (own_.card->carried.active.load() != 0) return;
-  if (holder != self_ && is_alive(holder)) announce_sharing(settings, broker::pid_of(holder));
+  const broker::Claim holder = cards_->holder_of(*own_.card);
+  if (holder != 0 && holder != self_) announce_sharing(settings, broker::in_words(holder));
 }
 
 }  // namespace rths::scramnet

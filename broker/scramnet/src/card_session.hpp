@@ -42,6 +42,9 @@ class CardSession {
 
   [[nodiscard]] std::uint64_t memory_bytes() const { return cards_->memory_bytes(); }
   [[nodiscard]] broker::Claim self() const { return self_; }
+  [[nodiscard]] broker::Members members() const { return cards_->members(); }
+  /// True if a living process has the card.
+  [[nodiscard]] bool is_held(const Card& card) const { return cards_->holder_of(card) != 0; }
   /// As those of CardTable, for this card.
   [[nodiscard]] std::byte* map_memory(void* at, std::uint64_t offset, std::uint64_t bytes) const {
     return cards_->map_memory(at, offset, bytes);

@@ -21,7 +21,6 @@ namespace rths::scramnet {
 namespace {
 
 using broker::Header;
-using broker::is_alive;
 using std::chrono::steady_clock;
 
 constexpr auto kPowerUpTimeout = std::chrono::seconds{2};  // for another process's power-up
@@ -29,22 +28,6 @@ constexpr auto kPoll = std::chrono::milliseconds{1};
 
 // Nobody asks: the ring itself knows whether it is lost. Windows may outlive their table.
 std::atomic<bool> lost{false};
-
-// Takes a claim that no process holds, or only a process that has ended.
-bool take_over(SharedClaim& claim, broker::Claim self) {
-  broker::Claim holder = claim.load();
-  if (holder == self) return true;
-  if (holder != 0 && is_alive(holder)) return false;
-  return claim.compare_exchange_strong(holder, self);
-}
-
-bool wait_until_ready(const Card& card) {
-  for (const auto deadline = steady_clock::now() + kPowerUpTimeout;;) {
-    if (card.ready.load() == kCardReady) return true;
-    if (!is_alive(card.holder.load()) || steady_clock::now() >= deadline) return false;
-    std::this_thread::sleep_for(kPoll);
-  }
-}
 
 [[noreturn]] void fail(const std::string& ring) {
   throw Error{fmt::format("ring '{}': {}", ring, std::strerror(errno))};
@@ -78,6 +61,22 @@ CardTable::~CardTable() {
   close(object_);
 }
 
+// Takes a card that no process holds, or only a process that has ended.
+bool CardTable::take_over(Card& card, broker::Claim self) const {
+  broker::Claim holder = card.holder.load();
+  if (holder == self) return true;
+  if (members().has(holder)) return false;
+  return card.holder.compare_exchange_strong(holder, self);
+}
+
+bool CardTable::wait_until_ready(const Card& card) const {
+  for (const auto deadline = steady_clock::now() + kPowerUpTimeout;;) {
+    if (card.ready.load() == kCardReady) return true;
+    if (holder_of(card) == 0 || steady_clock::now() >= deadline) return false;
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
 std::uint64_t CardTable::in_use() const { return std::atomic_ref{header_->cards_in_use}.load(); }
 
 bool CardTable::has_images() const { return std::atomic_ref{header_->is_replicated}.load() != 0; }
@@ -103,7 +102,7 @@ bool CardTable::try_card(std::uint32_t index, std::uint32_t key, broker::Claim s
     throw Error{fmt::format("cannot map a card: {}", std::strerror(errno))};
   Card& card = *found.card;
   if (card.ready.load() != kCardReady) {
-    if (take_over(card.holder, self)) {
+    if (take_over(card, self)) {
       power_up(card, index);
       card.key.store(key);
       card.ready.store(kCardReady);
@@ -115,7 +114,7 @@ bool CardTable::try_card(std::uint32_t index, std::uint32_t key, broker::Claim s
   }
   if (card.key.load() != key) return false;
   const bool is_mine = card.holder.load() == self;
-  if (!take_over(card.holder, self)) return key != kAnonymous;
+  if (!take_over(card, self)) return key != kAnonymous;
   if (!is_mine && card.is_copy.exchange(0) != 0) reset(index);  // of a gateway that was killed
   return true;
 }

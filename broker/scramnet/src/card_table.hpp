@@ -12,6 +12,7 @@
 
 #include "card.hpp"
 #include "layout.hpp"
+#include "process.hpp"
 
 namespace rths::scramnet {
 
@@ -45,6 +46,14 @@ class CardTable {
   /// @throws Error if memory is short, or another process does not finish a power-up   @setup
   [[nodiscard]] std::optional<std::uint32_t> take(std::uint32_t key, broker::Claim self);
 
+  /// The processes on the ring, which hold its cards.   @any_thread
+  [[nodiscard]] broker::Members members() const { return broker::Members{object_}; }
+  /// Process that holds a card; 0 if none does, or if it has ended.   @any_thread
+  [[nodiscard]] broker::Claim holder_of(const Card& card) const {
+    const broker::Claim holder = card.holder.load();
+    return members().has(holder) ? holder : 0;
+  }
+
   /// Sets a card to its state after power-up; its queues keep their entries.
   void reset(std::uint32_t index);
 
@@ -68,6 +77,8 @@ class CardTable {
   [[nodiscard]] CardView map_card(std::uint32_t index) const;
   [[nodiscard]] std::byte* map(void* at, std::uint64_t offset, std::uint64_t bytes) const;
   [[nodiscard]] bool try_card(std::uint32_t index, std::uint32_t key, broker::Claim self);
+  [[nodiscard]] bool take_over(Card& card, broker::Claim self) const;
+  [[nodiscard]] bool wait_until_ready(const Card& card) const;
 
   static constexpr std::uint32_t kMostCards = 64;
   int object_ = -1;

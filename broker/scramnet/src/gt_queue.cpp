@@ -23,9 +23,9 @@ long futex(Word& word, int operation, std::uint32_t value, const timespec* timeo
 }
 
 // A process reserves an entry by storing its claim in it; the claim of a dead process is ignored.
-bool reserve(GtEntry& entry, broker::Claim self) {
+bool reserve(GtEntry& entry, broker::Claim self, broker::Members members) {
   broker::Claim writer = entry.writer.load();
-  if (writer != 0 && broker::is_alive(writer)) return false;
+  if (members.has(writer)) return false;
   return entry.writer.compare_exchange_strong(writer, self);
 }
 
@@ -35,10 +35,11 @@ void advance(GtCard& card, std::uint64_t position) {
 
 // The tail moves only past complete entries. A writer that finds a complete entry at the tail,
 // whose own writer died or was interrupted, moves the tail for it.
-bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
+bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self,
+              broker::Members members) {
   const std::uint64_t position = card.tail.load();
   GtEntry& entry = card.queue[position % kGtQueueEntries];
-  if (!reserve(entry, self)) return false;
+  if (!reserve(entry, self, members)) return false;
   const bool is_free = card.tail.load() == position && entry.stamp.load() != position + 1;
   if (is_free) {
     entry.stamp.store(0);
@@ -55,8 +56,8 @@ bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
 
 }  // namespace
 
-bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self) {
-  for (int attempt = 0; !try_push(card, interrupt, self); ++attempt) {
+bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self, broker::Members members) {
+  for (int attempt = 0; !try_push(card, interrupt, self, members); ++attempt) {
     if (attempt == kAttempts) return false;
     if (attempt < kAttempts / 2)
       sched_yield();

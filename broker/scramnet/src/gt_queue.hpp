@@ -16,8 +16,10 @@ inline constexpr std::uint64_t kKeptInterrupts = kGtQueueEntries - 1;
 
 /// Puts an interrupt into a card's queue and wakes its sleeping readers. Any number of processes
 /// may call; the entry of a process that dies meanwhile is skipped.
+/// @param members  of the ring
 /// @returns false if another writer blocked the queue for too long, about 10 ms
-[[nodiscard]] bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self);
+[[nodiscard]] bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self,
+                        broker::Members members);
 
 /// Reads the interrupt at a position before the tail.
 /// @returns false if it has been overwritten

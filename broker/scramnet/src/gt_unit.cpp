@@ -59,7 +59,7 @@ bool GtUnit::send(const scgtInterrupt& interrupt) {
     if (self && !is_set(card(), gt::kLinkControl, gt::kInterruptSelf)) return;
     const GtCard& gt = other.card->gt;
     if (!reaches(gt, interrupt) || !accepts(gt, interrupt.type, interrupt.id)) return;
-    if (push(other.card->gt, message, session_.self()))
+    if (push(other.card->gt, message, session_.self(), session_.members()))
       other.card->gt.counts[kReceived].fetch_add(1);
     else
       all = false;

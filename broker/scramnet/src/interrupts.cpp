@@ -6,11 +6,12 @@
 #include "registers.hpp"
 
 namespace rths::scramnet {
-void deliver_if_due(Card& card) {
+void deliver_if_due(Card& card, broker::Members members) {
   if (!Registers{card}.take_host_interrupt()) return;
   for (const auto& entry : card.plus.registered) {
     const broker::Claim process = entry.load();
-    if (process != 0 && broker::is_alive(process)) kill(broker::pid_of(process), SIGUSR1);
+    if (members.has(process) && broker::is_of_this_namespace(process))
+      kill(broker::pid_of(process), SIGUSR1);
   }
 }
 
@@ -20,11 +21,11 @@ bool is_registered(const PlusCard& card, broker::Claim process) {
   return false;
 }
 
-bool add_registration(PlusCard& card, broker::Claim process) {
+bool add_registration(PlusCard& card, broker::Claim process, broker::Members members) {
   if (is_registered(card, process)) return true;
   for (auto& entry : card.registered) {
     broker::Claim holder = entry.load();
-    if (holder != 0 && broker::is_alive(holder)) continue;
+    if (members.has(holder)) continue;
     if (entry.compare_exchange_strong(holder, process)) return true;
   }
   return false;

@@ -65,7 +65,7 @@ int wait_for_interrupt(Board& card, unsigned* count) {
 int signal_registration(Board& card, int argument) {
   if (argument == CLR_SIG)
     remove_registration(card.plus(), card.session().self());
-  else if (!add_registration(card.plus(), card.session().self()))
+  else if (!add_registration(card.plus(), card.session().self(), card.session().members()))
     return fail_with(EBUSY);
   card.update_thread();
   return 0;

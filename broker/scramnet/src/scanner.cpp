@@ -53,7 +53,7 @@ class Scanner::ScanLock {
     lock_ = std::unique_lock{scanner.mutex_};
     const broker::Claim self = scanner.session_->self();
     broker::Claim holder = claim_->load();
-    if (holder != 0 && holder != self && broker::is_alive(holder)) return;
+    if (holder != self && scanner.session_->members().has(holder)) return;
     held_ = claim_->compare_exchange_strong(holder, self);
   }
   ~ScanLock() {
@@ -81,7 +81,7 @@ void Scanner::scan() {
     const ScanLock lock{*this};
     if (lock.is_held()) compare();
   }
-  deliver_if_due(session_->card());
+  deliver_if_due(session_->card(), session_->members());
 }
 
 void Scanner::compare() {

@@ -19,6 +19,7 @@
 
 namespace rths::broker {
 
+class Membership;
 class Segment;
 class Follower;
 class Waiter;
@@ -51,7 +52,7 @@ struct Presence {
     Vanished,  ///< its process ended without leaving
   };
   State state = State::Absent;
-  int pid = 0;
+  int pid = 0;  ///< in its own PID namespace
 };
 
 /// Membership of a node on a ring: reads every word, writes the words of its own partitions.
@@ -109,7 +110,7 @@ class Node {
   /// True once memory of the ring was lost: then reads return zeros, and no other process sees
   /// writes. See `OnLostMemory`.   @realtime
   [[nodiscard]] bool is_ring_lost() const RTHS_REALTIME;
-  /// State of a node of the map, from the kernel's process table. Any thread.   @setup
+  /// State of a node of the map, from the kernel's locks. Any thread.   @setup
   [[nodiscard]] Presence presence_of(NodeId node) const;
 
  private:
@@ -136,7 +137,8 @@ class Node {
   void take_over(const memmap::Map& map, NodeId id, bool plain);
   void become_plain(NodeId id) noexcept;
   Segment* segment_;
-  std::uint32_t* words_;  ///< of the ring
+  std::uint32_t* words_;                    ///< of the ring
+  std::unique_ptr<Membership> membership_;  ///< null on a ring of one process
   std::uint32_t slot_;
   std::uint64_t claim_;        ///< of the process that joined: a forked child does not leave for it
   std::vector<OwnRange> own_;  ///< without tear groups
@@ -170,7 +172,7 @@ class Ring {
   /// @param journal_bits  a journal has 2^journal_bits entries of 16 bytes
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
                                    std::uint32_t journal_bits = kJournalBits);
-  /// Attaches to an existing ring. Waits up to one second for its creator to finish.
+  /// Attaches to an existing ring.
   /// @throws Error if there is no such ring, its layout version differs or it is damaged   @setup
   [[nodiscard]] static Ring attach(const std::string& name);
   /// A ring in private memory for one process, with the same words and rules.   @setup
@@ -219,9 +221,11 @@ class Ring {
 
 /// A process that is on a ring, or that ended without leaving it.
 struct Occupant {
-  std::string node;  ///< name in the map; "observer" only reads, "client" is not in the map,
-                     ///< "creator" created the ring
-  int pid = 0;
+  std::string node;     ///< name in the map; "observer" only reads, "client" is not in the map,
+                        ///< "creator" created the ring
+  int pid = 0;          ///< in its own PID namespace
+  std::string process;  ///< its id in words, with its PID namespace if that is another one
+  bool has_pid_here = true;  ///< of this PID namespace; if not, `pid` may be another process here
   bool alive = false;
   bool plain = false;  ///< stores through a plain pointer: a program written for the cards
   std::uint64_t beats = 0;
@@ -265,5 +269,8 @@ struct RingReport {
 /// Removes a ring's name; processes that are still on it keep their memory.
 /// @returns false if there was no such ring   @setup
 bool remove_ring(const std::string& name);
+/// The same if no process is on the ring; none can join it meanwhile.
+/// @returns false if it is in use or is gone. @throws Error if it may not be opened   @setup
+bool remove_unused_ring(const std::string& name);
 
 }  // namespace rths::broker

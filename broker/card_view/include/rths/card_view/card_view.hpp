@@ -12,7 +12,7 @@ namespace rths::card_view {
 /// A card of a program on a ring in shared memory, as it was at one instant.
 struct SharedCard {
   std::uint32_t index = 0;
-  int process = 0;                      ///< its process; 0: the card is idle
+  std::string process;                  ///< its process in words; empty: the card is idle
   bool gt = false;                      ///< a GT card, which has no CSRs
   std::uint32_t id = 0;                 ///< node id
   std::array<std::uint32_t, 16> csr{};  ///< without the side effects of reading
