@@ -18,7 +18,7 @@ bool is_abandoned(const std::string& name) {
   if (report->foreign) throw Error{report->trouble + "; choose another name"};
   std::string pids;
   for (const auto& occupant : report->occupants)
-    if (occupant.alive) pids += fmt::format(" {} (pid {})", occupant.node, occupant.pid);
+    if (occupant.alive) pids += fmt::format(" {} ({})", occupant.node, occupant.process);
   if (report->is_of_cards())
     throw Error{fmt::format(
         "ring '{}' exists already, made by programs written for the cards{}{}; remove it by "

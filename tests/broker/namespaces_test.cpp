@@ -4,6 +4,7 @@
 // and all share /dev/shm.
 #include <sched.h>
 #include <sys/mount.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -99,7 +100,7 @@ class FirstProcess {
   [[noreturn]] void run() {
     for (;;) {
       const std::string line = test_.receive();
-      if (line.empty()) _exit(0);  // its processes end with it
+      if (line.empty() || line == "end") _exit(0);  // its processes end with it
       const auto space = line.find(' ');
       obey(line.substr(0, space), space == std::string::npos ? "" : line.substr(space + 1));
     }
@@ -151,6 +152,7 @@ class Container {
     exists_ = ours_.receive() == "begun";
   }
   ~Container() {
+    if (exists_) tell("end");
     close(ours_.out);
     waitpid(process_, nullptr, 0);
     close(ours_.in);
@@ -168,6 +170,7 @@ class Container {
 
  private:
   [[noreturn]] static void enter(FirstProcess first, const Lines& test) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     const bool is_apart = unshare(CLONE_NEWPID | CLONE_NEWNS | CLONE_NEWTIME) == 0;
     const pid_t child = is_apart ? fork() : -1;
     if (child == 0) {
@@ -175,6 +178,7 @@ class Container {
                                mount("proc", "/proc", "proc", 0, nullptr) == 0;
       if (!sees_itself) _exit(0);
       test.send("begun");
+      prctl(PR_SET_PDEATHSIG, SIGKILL);
       first.run();
     }
     close(test.in);

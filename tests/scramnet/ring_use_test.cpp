@@ -95,7 +95,7 @@ TEST_F(RingUse, MakesARunSayWhichProgramHasItsRing) {
       rths::test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); });
 
   EXPECT_EQ(error, fmt::format("ring '{0}' exists already, made by programs written for the cards; "
-                               "end client (pid {1}); remove it by 'rths clean {0}' and start the "
+                               "end client (process {1}); remove it by 'rths clean {0}' and start the "
                                "run before them",
                                name, running->pid()));
 }
