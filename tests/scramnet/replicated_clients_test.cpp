@@ -171,6 +171,44 @@ TEST_F(ReplicatedInterrupts, AreFoundByScansWithoutTraps) {
   EXPECT_LE(counted, 100);
 }
 
+/// Three nodes with a few words each, in a memory of 1 MiB.
+rths::memmap::Map map_of_three() {
+  rths::memmap::MapDescription description;
+  description.name = "three";
+  description.size_longwords = 0x40000;
+  description.nodes = {{"a", NodeId{1}, ""}, {"b", NodeId{2}, ""}, {"c", NodeId{3}, ""}};
+  description.partitions = {partition_of("a", 0, 4), partition_of("b", 4, 4),
+                            partition_of("c", 0x3000, 2048)};
+  return rths::memmap::Map{description};
+}
+
+#if defined(__x86_64__)
+// Every member stores into the words of all others, and into words without an owner.
+TEST_F(ReplicatedClients, StoreAllOverTheMemory) {
+  begin(map_of_three());
+  const std::string seconds = rths::test::is_long() ? "60" : "3";
+  std::vector<std::unique_ptr<Running>> members;
+  for (const auto& [node, number] : {std::pair{"a", "1"}, {"b", "2"}, {"c", "3"}})
+    members.push_back(
+        std::make_unique<Running>(at_node(node, client("network_exerciser", {number, seconds}))));
+  for (const auto& member : members) {
+    const Finished finished = member->wait(rths::test::is_long() ? 180 : 60);
+    EXPECT_EQ(finished.exit_code, 0) << finished.out << finished.err;
+    EXPECT_NE(finished.out.find(" 2 others, 0 errors, 0 link errors"), std::string::npos)
+        << finished.out;
+  }
+}
+
+TEST_F(ReplicatedClients, LoadWhatHasGoneAroundTheRing) {
+  begin(map_of_three());
+  for (const char* how : {"blocks", "pointer"}) {
+    const Finished finished = Running{at_node("b", client("bit_errors", {"50", how}))}.wait(60);
+    EXPECT_EQ(finished.exit_code, 0) << finished.err;
+    EXPECT_EQ(finished.out, "50 packets, 0 words wrong, 0 words old, 0 link errors\n") << how;
+  }
+}
+#endif
+
 TEST_F(ReplicatedClients, MustNameTheirNode) {
   begin(handshake_map());
   const Finished finished = Running{client("controller")}.wait(10);

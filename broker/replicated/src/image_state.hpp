@@ -53,7 +53,7 @@ struct Images::State {
   struct Image {
     std::string node;
     broker::Ring ring;
-    broker::Node observer;
+    broker::Node carrier;                  ///< of the messages of others; no node of the map
     std::optional<broker::Follower> host;  ///< writes of the node
     // g++ needs these initializers.
     std::vector<std::optional<broker::Node>> others = {};  // NOLINT: on this image, by position
@@ -97,6 +97,10 @@ struct Images::State {
   void flush(std::uint32_t at);
   void arrive(const Hop& hop);
   void arrive(std::uint32_t at, std::uint32_t origin, std::uint32_t longword, std::uint32_t value);
+  void store_unjournalled(Image& image, std::uint32_t longword, std::uint32_t value);
+  [[nodiscard]] std::uint32_t owner_of(std::uint32_t longword) const {
+    return longword < words.size() ? words[longword].owner : kNone;
+  }
   [[nodiscard]] broker::Node* stand_in(std::uint32_t at, std::uint32_t origin);
   void fail(Action action);
   void run_faults(Time now);

@@ -43,8 +43,8 @@ void Images::State::take_trapped(std::uint32_t at) {
     const Store store{entry.address.load(), entry.value.load(), form & 0xFF,
                       (form & scramnet::kTrapInMemory) != 0};
     const bool valid = store.bytes == 1 || store.bytes == 2 || store.bytes == 4;
-    if (valid && store.offset % store.bytes == 0 && store.longword() < words.size() &&
-        words[store.longword()].owner == at)
+    if (valid && store.offset % store.bytes == 0 &&
+        store.longword() < map.description().size_longwords)
       image.trapped.found.push_back(store);
   }
   queue.taken.store(n);
@@ -74,7 +74,7 @@ void Images::State::send_trapped(std::uint32_t at) {
   Image& image = images[at];
   if (image.trapped.found.empty()) return;
   for (const Store& trapped : image.trapped.found) {
-    if (trapped.in_memory && image.plain)
+    if (trapped.in_memory && image.plain && owner_of(trapped.longword()) == at)
       image.watch->take(image.node, LongwordOffset{trapped.longword()},
                         {trapped.value, trapped.offset % 4, trapped.bytes});
     store(at, trapped);

@@ -2,6 +2,7 @@
 #include "image_state.hpp"
 
 #include <algorithm>
+#include <atomic>
 
 #include <fmt/format.h>
 
@@ -92,11 +93,12 @@ void Images::State::arrive(const Hop& hop) {
 void Images::State::arrive(std::uint32_t at, std::uint32_t origin, std::uint32_t longword,
                            std::uint32_t value) {
   Image& image = images[at];
-  if (longword >= words.size() || words[longword].owner != origin) return;
-  if (at == origin) {
+  const std::uint32_t owner = owner_of(longword);
+  if (owner == at && image.plain) {
     image.watch->store(image.node, LongwordOffset{longword}, value);
     return ignore_journal(image);
   }
+  if (owner != origin || at == origin) return store_unjournalled(image, longword, value);
   broker::Node* const node = stand_in(at, origin);
   if (node == nullptr) return;
   image.received[origin] = 1;
@@ -119,6 +121,11 @@ void Images::State::arrive(std::uint32_t at, std::uint32_t origin, std::uint32_t
                                               (group.base + i) * std::uint64_t{4} - begin_of_window)
                                         : node->read(LongwordOffset{group.base + i}));
   static_cast<void>(node->write_group(group.id, group_words));
+}
+
+// As on a ring in shared memory, a store into another node's word is in no journal.
+void Images::State::store_unjournalled(Image& image, std::uint32_t longword, std::uint32_t value) {
+  std::atomic_ref{image.carrier.plain_memory()[longword]}.store(value, std::memory_order_release);
 }
 
 broker::Node* Images::State::stand_in(std::uint32_t at, std::uint32_t origin) {

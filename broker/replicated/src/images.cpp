@@ -97,10 +97,10 @@ void Images::State::add_all(const std::function<broker::Ring(const std::string& 
 }
 
 void Images::State::add(const std::string& node, broker::Ring ring) {
-  auto observer = ring.observe();
+  auto carrier = ring.join_plain("");
   std::optional<broker::Follower> host;
   if (!node.empty()) host.emplace(ring.follow(node));
-  images.push_back({node, std::move(ring), std::move(observer), std::move(host)});
+  images.push_back({node, std::move(ring), std::move(carrier), std::move(host)});
   images.back().others.resize(cards.nodes());
   images.back().received.resize(cards.nodes());
 }
@@ -123,7 +123,7 @@ void Images::State::follow_presence() {
 
 void Images::State::follow_presence(std::uint32_t at) {
   Image& image = images[at];
-  const auto state = image.observer.presence_of(map.description().nodes[at].id).state;
+  const auto state = image.carrier.presence_of(map.description().nodes[at].id).state;
   image.plain = image.watch && image.watch->is_plain(image.node);
   scramnet::Card* const shared = cards.engine_->nodes()[at].shared;
   if (!image.present && state == Presence::Alive) {

@@ -2,19 +2,15 @@
 #include "board.hpp"
 
 #include <algorithm>
-#include <ctime>
 
 #include <rths/core/error.hpp>
 
 #include "bits.hpp"
+#include "carried.hpp"
 #include "interrupts.hpp"
-#include "monotonic_time.hpp"
 
 namespace rths::scramnet {
 namespace {
-
-constexpr std::int64_t kLongestScanNs = 100'000'000;  // of a busy host
-constexpr long kScanPollNs = 20'000;
 
 std::uint64_t checked_window(const CardSession& session, const Settings& settings) {
   if (session.own().acr == nullptr)
@@ -63,14 +59,16 @@ std::uint32_t Board::read_csr(int index) {
 
 // On a replicated ring, another process gives effect to stores and registers at its next scan. A
 // register is written behind all earlier stores, and has its effect when the call returns.
-void Board::wait_for_scan() {
+void Board::wait_for_scan() const {
   const Carried& carried = session_.card().carried;
-  if (carried.active.load() == 0) return;
-  const std::uint32_t before = carried.scans.load();
-  const std::int64_t deadline = now_ns() + kLongestScanNs;
-  const timespec pause{0, kScanPollNs};
-  while (carried.scans.load() - before < 2 && now_ns() < deadline)  // one may have begun before
-    clock_nanosleep(CLOCK_MONOTONIC, 0, &pause, nullptr);
+  if (carried.active.load() != 0) scramnet::wait_for_scan(carried);
+}
+
+void Board::wait_for_own_stores() const {
+  const Carried& carried = session_.card().carried;
+  constexpr std::uint32_t kWriteMeLast = csr2::kNoHostWrite | csr2::kReceiveOwn;
+  if (carried.active.load() != 0 && Registers{session_.card()}.all_set(2, kWriteMeLast))
+    scramnet::wait_for_own_stores(carried);
 }
 
 void Board::write_csr(int index, std::uint32_t value) {

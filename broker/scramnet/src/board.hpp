@@ -46,6 +46,9 @@ class Board {
   void clear_acr();
   /// Sets all words of the ACR.
   void fill_acr(std::uint32_t value);
+  /// To be called before a block call loads: in write-me-last, waits until the stores of this
+  /// program have returned to its memory, at most 0.1 s.
+  void wait_for_own_stores() const;
   /// A block call's stores. A unit has 1, 2 or 4 bytes.
   void store(std::uint64_t offset, const std::byte* from, std::uint64_t bytes);
   template <class Unit>
@@ -66,7 +69,7 @@ class Board {
   void leave();
 
  private:
-  void wait_for_scan();
+  void wait_for_scan() const;
   void control_changed(std::uint32_t before);
   void warn_of_shared_id();
   void update_window();

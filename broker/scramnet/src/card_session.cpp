@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include <fmt/format.h>
@@ -79,10 +80,24 @@ void CardSession::use_image(Settings& settings) {
     throw Error{fmt::format("ring '{}' is replicated: {}NODE is '{}', expected a node of its map",
                             settings.ring, settings.variables, settings.node)};
   static_cast<void>(ring_->map().node(settings.node));
+  node_name_ = settings.node;
   settings.ring = image_name(settings.ring, settings.node);
   ring_.emplace(broker::Ring::attach(settings.ring));
   cards_.emplace(*ring_, settings.ring);
   for_each_card([](const CardView& card) { card.card->carried.plain_host.store(1); });
+}
+
+bool CardSession::owns(std::uint64_t begin, std::uint64_t longwords) const {
+  const std::uint64_t end = begin + longwords;
+  std::uint64_t owned = 0;
+  for (const auto& partition : ring_->map().partitions()) {
+    if (partition.node != node_name_) continue;
+    const std::uint64_t first = std::max<std::uint64_t>(begin, partition.base.value());
+    const std::uint64_t last =
+        std::min<std::uint64_t>(end, partition.base.value() + partition.longwords);
+    if (first < last) owned += last - first;
+  }
+  return owned == longwords;
 }
 
 bool CardSession::is_of_this_process() const { return broker::pid_of(self_) == getpid(); }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include <rths/broker/ring.hpp>
 
@@ -41,6 +42,8 @@ class CardSession {
   }
 
   [[nodiscard]] std::uint64_t memory_bytes() const { return cards_->memory_bytes(); }
+  /// True if all words of the ring from `begin` on are in partitions of this program's node.
+  [[nodiscard]] bool owns(std::uint64_t begin, std::uint64_t longwords) const;
   [[nodiscard]] broker::Claim self() const { return self_; }
   [[nodiscard]] broker::Members members() const { return cards_->members(); }
   /// True if a living process has the card.
@@ -64,6 +67,7 @@ class CardSession {
   std::optional<CardTable> cards_;
   std::optional<broker::Node> node_;
   broker::Claim self_ = 0;
+  std::string node_name_;  ///< in the map; empty: none
   std::uint32_t index_ = 0;
   CardView own_;
 };

@@ -26,8 +26,10 @@ template <class Value>
 Value read_unit(unsigned long offset, void* to) {
   Value value = 0;
   const Board* const card = card_with_memory();
-  if (has_range(card, offset * sizeof value, sizeof value))
+  if (has_range(card, offset * sizeof value, sizeof value)) {
+    card->wait_for_own_stores();
     value = read_ring_unit<Value>(card->memory() + offset * sizeof value);
+  }
   if (to != nullptr) std::memcpy(to, &value, sizeof value);
   return value;
 }
@@ -74,6 +76,7 @@ void scr_smem_mm(int which, unsigned long value) {
 int scr_dma_read(void* user, unsigned long offset, unsigned long length) {
   const Board* const card = card_with_memory();
   if (!has_range(card, offset, length) || user == nullptr) return -1;
+  card->wait_for_own_stores();
   read_ring(static_cast<std::byte*>(user), card->memory() + offset, length);
   return 0;
 }

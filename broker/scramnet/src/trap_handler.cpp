@@ -103,7 +103,7 @@ bool make_string(StoreInstruction store, std::uintptr_t page_end, CpuState& cpu)
     for (std::uint64_t i = 0; i < length; ++i)
       value[i] = static_cast<std::uint8_t>(store.operand >> 8 * (i % store.width));
     if (store.kind == StoreKind::Copy)
-      std::memcpy(value.data(), reinterpret_cast<const void*>(store.operand), length);  // NOLINT
+      std::memcpy(value.data(), trapped_window.readable(store.operand, length), length);
     trapped_window.store(*at, {value.data(), length});
     made = true;
     advance(store, elements, cpu);
@@ -152,6 +152,7 @@ thread_local Step step __attribute__((tls_model("initial-exec")));
 
 void begin_step(std::uint64_t at, ucontext_t& context) {
   step.active = true;
+  if (trapped_window.is_hidden(at)) trapped_window.reveal(at);
   step.at = at / 4 * 4;
   step.count = static_cast<std::uint32_t>(
       std::min<std::uint64_t>(kLongestTrap, (trapped_window.bytes.load() - step.at) / 4));
@@ -185,13 +186,16 @@ void end_step(ucontext_t& context) {
   }
 }
 
-// @returns false if it is not a store to a closed page
+// @returns false if it is neither a store to a closed page nor a load from a hidden one
 bool take_fault(const siginfo_t& info, ucontext_t& context) {
   const auto fault = reinterpret_cast<std::uintptr_t>(info.si_addr);
-  if (info.si_code != SEGV_ACCERR || (context.uc_mcontext.gregs[REG_ERR] & kWriteFault) == 0)
-    return false;
+  if (info.si_code != SEGV_ACCERR) return false;
   const auto at = trapped_window.find(fault, 1);
   if (!at) return false;
+  if ((context.uc_mcontext.gregs[REG_ERR] & kWriteFault) == 0) {
+    trapped_window.reveal(*at);
+    return true;
+  }
   if (trapped_window.shows_acr.load()) return true;  // since a moment ago: tries again
   if (step.active) {                                 // the instruction stores to two pages
     step.pages[1] = *at;

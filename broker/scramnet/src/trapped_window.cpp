@@ -8,13 +8,14 @@
 #include <ctime>
 
 #include "bits.hpp"
+#include "carried.hpp"
 #include "registers.hpp"
 #include "ring_copy.hpp"
 
 namespace rths::scramnet {
 namespace {
 
-constexpr int kPolls = 2000;  // for space in the queue, 0.1 s
+constexpr int kPolls = 20'000;  // for space in the queue, 1 s
 constexpr long kPollNs = 50'000;
 
 /// A part of a store that is inside a longword: 1, 2 or 4 bytes.
@@ -84,17 +85,46 @@ std::optional<std::uint64_t> TrappedWindow::find(std::uintptr_t address,
   return at < size && length <= size - at ? std::optional{at} : std::nullopt;
 }
 
+const void* TrappedWindow::readable(std::uintptr_t address, std::uint64_t length) {
+  const auto at = find(address, length);
+  if (!at) return reinterpret_cast<const void*>(address);  // NOLINT: of the trapped program
+  if (is_hidden(*at)) reveal(*at);
+  return memory.load() + *at;
+}
+
 bool TrappedWindow::withholds() const {
   return Registers{*card.load()}.all_set(2, csr2::kNoHostWrite);
 }
 
-void TrappedWindow::open_page(std::uint64_t at) const {
-  mprotect(window.load() + at / kTrapPage * kTrapPage, kTrapPage, PROT_READ | PROT_WRITE);
+bool TrappedWindow::writes_last() const {
+  return Registers{*card.load()}.all_set(2, csr2::kNoHostWrite | csr2::kReceiveOwn);
 }
 
-void TrappedWindow::close_page(std::uint64_t at) const {
-  if (closed[at / kTrapPage].load())
-    mprotect(window.load() + at / kTrapPage * kTrapPage, kTrapPage, PROT_READ);
+void TrappedWindow::protect(std::uint64_t at, int protection) const {
+  mprotect(window.load() + at / kTrapPage * kTrapPage, kTrapPage, protection);
+}
+
+void TrappedWindow::open_page(std::uint64_t at) {
+  hidden[at / kTrapPage].store(false);
+  protect(at, PROT_READ | PROT_WRITE);
+}
+
+void TrappedWindow::close_page(std::uint64_t at) {
+  if (!closed[at / kTrapPage].load()) return;
+  hidden[at / kTrapPage].store(false);
+  protect(at, PROT_READ);
+}
+
+// In write-me-last, a program must not load what its stores have not changed yet.
+void TrappedWindow::hide(std::uint64_t at, std::uint64_t length) {
+  for (std::uint64_t page = at / kTrapPage; page <= (at + length - 1) / kTrapPage; ++page)
+    if (closed[page].load() && !hidden[page].exchange(true)) protect(page * kTrapPage, PROT_NONE);
+}
+
+void TrappedWindow::reveal(std::uint64_t at) {
+  wait_for_own_stores(card.load()->carried);
+  hidden[at / kTrapPage].store(false);
+  protect(at, closed[at / kTrapPage].load() ? PROT_READ : PROT_READ | PROT_WRITE);
 }
 
 // A card holds off its host while its FIFO is full. Once it took too long, no store waits until
@@ -142,10 +172,12 @@ void TrappedWindow::store(std::uint64_t at, std::span<const std::uint8_t> value)
     if (in_memory) set_memory(memory.load(), piece, word_of(piece));
     if (first) publish(queue, n++, piece.width | (in_memory ? kTrapInMemory : 0U), word_of(piece));
   });
+  if (!in_memory && writes_last()) hide(at, value.size());
 }
 
 std::uint64_t TrappedWindow::modify(std::uint64_t at, const StoreInstruction& instruction,
                                     const CpuState& cpu, ReadModifyWrite& result) {
+  if (is_hidden(at)) reveal(at);
   TrapQueue& queue = card.load()->carried.traps;
   std::uint32_t count = 0;
   for_each_piece(at, instruction.width, [&](Piece) { ++count; });
@@ -169,6 +201,7 @@ std::uint64_t TrappedWindow::modify(std::uint64_t at, const StoreInstruction& in
     const std::uint32_t form = piece.width | (in_memory ? kTrapInMemory : 0U);
     if (first) publish(queue, n++, result.stores ? form : 0, word);
   });
+  if (!in_memory && writes_last()) hide(at, instruction.width);
   return before;
 }
 

@@ -62,6 +62,7 @@ void Traps::set_window(const Window& window) {
   if (!active_) return;
   const QuietLock lock{mutex_};
   for (auto& page : trapped_window.closed) page.store(false);
+  for (auto& page : trapped_window.hidden) page.store(false);
   trapped_window.memory.store(window.memory);
   trapped_window.offset.store(window.offset);
   trapped_window.bytes.store(window.bytes);
@@ -76,7 +77,9 @@ bool Traps::all_wanted() const {
          registers.all_set(0, csr0::kSendInterrupts | csr0::kAllSendInterrupts);
 }
 
+// A scan cannot tell who has stored a word of another node, so it takes only own ones.
 bool Traps::is_wanted(std::uint64_t page) const {
+  if (!session_->owns(trapped_window.offset / 4 + page * kWordsPerPage, kWordsPerPage)) return true;
   constexpr std::uint32_t kNeedsTrap =
       acr::kTransmitInterrupt | acr::kTriggerOnHostWrite | acr::kHiPro;
   const Word* const words = session_->own().acr + page * kWordsPerPage;

@@ -14,8 +14,9 @@ inline constexpr std::size_t kTrapPage = 4096;  ///< [B]
 
 /// Traps of stores through a pointer, on a replicated ring.
 ///
-/// A page with a word that interrupts, triggers or is HIPRO can only be read through the window; in
-/// write-me-last, with host writes off, or if all words interrupt, so can every page. A store there
+/// A page with a word that interrupts, triggers, is HIPRO or is not the node's own can only be read
+/// through the window; in write-me-last, with host writes off, or if all words interrupt, so can
+/// every page. A store there
 /// raises a signal. Its handler makes the store itself, through another mapping, and queues it for
 /// the thread that carries messages: with its order, value, width and number. An instruction that
 /// it does not know is executed with the page open, and the 64 bytes behind its address are
