@@ -22,8 +22,8 @@ std::vector<int> ReplicatedCard::at_start;
 
 memmap::Map ReplicatedCard::map() {
   memmap::MapDescription description;
-  description.name = "two_pages";
-  description.size_longwords = 2 * kPage;
+  description.name = "four_pages";
+  description.size_longwords = 4 * kPage;
   description.nodes = {
       {"controller", NodeId{1}, ""}, {"machine", NodeId{2}, ""}, {"watcher", NodeId{3}, ""}};
   memmap::Partition group = words_of("controller", kGroup, kGroupLongwords);
@@ -33,7 +33,8 @@ memmap::Map ReplicatedCard::map() {
                             words_of("watcher", 300, 4),
                             group,
                             words_of("machine", kPage + kWord, 128 - kWord),
-                            words_of("controller", kOtherOnPage, 128)};
+                            words_of("controller", kOtherOnPage, 128),
+                            words_of("machine", kOwnPage * kPage, kPage)};
   return memmap::Map{description};
 }
 

@@ -31,6 +31,7 @@ class ReplicatedCard : public testing::Test {
   static constexpr std::uint32_t kOthers = 128;
   static constexpr std::uint32_t kPage = 1024;  // longwords of the window
   static constexpr std::uint32_t kOtherOnPage = kPage + 128;
+  static constexpr std::uint32_t kOwnPage = 3;  // of the machine alone
   static constexpr std::uint32_t kGroupLongwords = 8;
   static constexpr std::uint32_t kGroup = kPage - 4;  // of the controller, on both pages
   static constexpr std::uint32_t kControllerAt = 0;   // position on the ring

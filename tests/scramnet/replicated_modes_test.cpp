@@ -93,7 +93,7 @@ TEST_F(ReplicatedCard, MapsItsWindowToAPageOfTheRing) {
   EXPECT_TRUE(arrives(55, kPage + kWord));
   EXPECT_EQ(seen(), 3U);
   EXPECT_EQ(sp_set_vp(VP_READ, 0), 1);
-  EXPECT_EQ(sp_set_vp(VP_SET, 2), -1);  // beyond the ring
+  EXPECT_EQ(sp_set_vp(VP_SET, 4), -1);  // beyond the ring
   EXPECT_EQ(sp_set_vp(VP_RESET, 0), 0);
   EXPECT_EQ(load(kWord), 3U);
 }

@@ -94,10 +94,11 @@ TEST_F(RingUse, MakesARunSayWhichProgramHasItsRing) {
   const auto error =
       rths::test::error_of([&] { static_cast<void>(Ring::create(name, small_map())); });
 
-  EXPECT_EQ(error, fmt::format("ring '{0}' exists already, made by programs written for the cards; "
-                               "end client (process {1}); remove it by 'rths clean {0}' and start the "
-                               "run before them",
-                               name, running->pid()));
+  EXPECT_EQ(error,
+            fmt::format("ring '{0}' exists already, made by programs written for the cards; "
+                        "end client (process {1}); remove it by 'rths clean {0}' and start the "
+                        "run before them",
+                        name, running->pid()));
 }
 
 }  // namespace
