@@ -119,6 +119,7 @@ void Engine::on_head(std::uint32_t index, std::uint32_t at) {
   }
   if (!connected) return pass_optically(index, at);
   if (node.input.own) {
+    if (message.origin == at) node.round_trip = message.arrival - message.sent;
     log(Hop::Kind::Removed, message, at);
     return end_head(index);
   }

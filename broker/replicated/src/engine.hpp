@@ -120,6 +120,7 @@ class Engine {
   [[nodiscard]] std::uint32_t live_status(std::uint32_t at) const;
   [[nodiscard]] bool has_carrier(std::uint32_t at) const;
   [[nodiscard]] scramnet::GtRing gt_ring(std::uint32_t at) const;
+  [[nodiscard]] Time quiet_round_trip(std::uint32_t at) const;
   [[nodiscard]] std::uint32_t position(const Node& node) const {
     return static_cast<std::uint32_t>(&node - nodes_.data());
   }

@@ -42,7 +42,20 @@ GtRing Engine::gt_ring(std::uint32_t at) const {
     ring.upstream = node_id(*node.gt);
   }
   if (!ring.closed) ring.nodes = 256;
+  const Time last = nodes_[at].round_trip;
+  ring.latency_ns = static_cast<std::int64_t>(to_ns(last != Time{0} ? last : quiet_round_trip(at)));
   return ring;
+}
+
+// Of a message that finds every line free.
+Time Engine::quiet_round_trip(std::uint32_t at) const {
+  Time time = nodes_[at].fibre;
+  for (std::uint32_t other = behind(at); other != at; other = behind(other)) {
+    const Node& node = nodes_[other];
+    time += node.fibre;
+    if (node.path == Path::Inserted) time += rates_.node_delay + node.extra_delay;
+  }
+  return time;
 }
 
 std::uint32_t Engine::gt_state(std::uint32_t at, std::uint32_t state) {

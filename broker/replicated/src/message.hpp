@@ -28,6 +28,7 @@ struct Message {
   bool on_ring = false;  ///< its head still travels
   std::vector<std::uint32_t> longwords;
 
+  Time sent{0};                 ///< its first bit left its node
   Time arrival{0};              ///< of the first bit at the node of the head
   Time ready{0};                ///< the head could leave that node
   std::uint32_t receivers = 0;  ///< receptions that are not complete

@@ -70,6 +70,7 @@ struct Node {
   Outstanding outstanding;
   Time transit_since{0};
   bool transit_armed = false, transit_runs = false;
+  Time round_trip{0};  ///< of the last own message that has returned; 0: none
 
   // Card.
   std::uint32_t id;  ///< after power-up

@@ -44,7 +44,8 @@ void Engine::on_transmit(std::uint32_t at) {
 void Engine::start_own(std::uint32_t at) {
   Node& node = nodes_[at];
   const std::uint32_t index = make_own(at);
-  const Message& message = messages_[index];
+  Message& message = messages_[index];
+  message.sent = now_;
   node.yielded = false;
   if (message.open) {
     node.own_open = index;

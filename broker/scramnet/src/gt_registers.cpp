@@ -38,7 +38,7 @@ constexpr auto kStates = [] {
   states[SCGT_RING_SIZE] = {gt::kLinkStatus, 24, 0xFF, Access::ReadOnly};
   states[SCGT_UPSTREAM_NODE_ID] = {gt::kMisc, 24, 0xFF, Access::ReadOnly};
   states[SCGT_NET_TIMER_VAL] = {gt::kTimer, 0, kWhole};
-  states[SCGT_LATENCY_TIMER_VAL] = {kOwn | 1, 0, kWhole};
+  states[SCGT_LATENCY_TIMER_VAL] = {gt::kLatency, 0, kWhole};
   states[SCGT_SM_TRAFFIC_CNT] = {kOwn | 2, 0, kWhole};
   states[SCGT_SPY_SM_TRAFFIC_CNT] = {kOwn | 3, 0, kWhole};
   states[SCGT_SPY_NODE_ID] = {gt::kLinkControl, 24, 0xFF};
@@ -86,6 +86,9 @@ std::uint32_t read_cr(const GtCard& card, std::uint32_t index, const GtRing& rin
     case gt::kTimer:
       return static_cast<std::uint32_t>((now - card.timer_since_ns.load()) / kTimerTickNs) +
              card.cr[index].load();
+    case gt::kLatency:  // messages that the card sends by itself set it all the time
+      if (ring.latency_ns != 0) return static_cast<std::uint32_t>(ring.latency_ns / kTimerTickNs);
+      return card.cr[index].load();
     default:
       return card.cr[index].load();
   }

@@ -11,7 +11,8 @@ namespace rths::scramnet {
 // Control registers of a GT card, by index (byte offset / 4), and the bits that act here.
 namespace gt {
 inline constexpr std::uint32_t kBoardInfo = 0, kUser = 2, kLinkControl = 4, kLinkStatus = 5,
-                               kBroadcastMask = 6, kUnicastMask = 7, kMisc = 8, kTimer = 16;
+                               kBroadcastMask = 6, kUnicastMask = 7, kMisc = 8, kTimer = 16,
+                               kLatency = 18;
 inline constexpr std::uint32_t kNodeIdShift = 8, kTransmit = 1U << 16, kReceive = 1U << 17,
                                kWrap = 1U << 19, kWriteMeLast = 1U << 20, kInterruptSelf = 1U << 21;
 /// Of kLinkControl: transmits, receives, retransmits, both lasers are on.
@@ -25,9 +26,10 @@ enum GtCount : std::uint32_t { kReceived, kSent, kMissed, kReads, kWrites };
 
 /// Properties of the ring that a card's registers show.
 struct GtRing {
-  std::uint32_t nodes = 1;     ///< number of nodes
-  std::uint32_t upstream = 0;  ///< node id of the preceding node
-  bool closed = true;          ///< the ring is closed, so that a signal arrives
+  std::uint32_t nodes = 1;      ///< number of nodes
+  std::uint32_t upstream = 0;   ///< node id of the preceding node
+  std::int64_t latency_ns = 0;  ///< time of a message around the ring; 0: not known
+  bool closed = true;           ///< the ring is closed, so that a signal arrives
 };
 
 /// @param now  time on the card's clock [ns]
