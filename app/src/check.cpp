@@ -31,6 +31,7 @@
 #include <rths/verdict/plan.hpp>
 
 #include "commands.hpp"
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -250,6 +251,7 @@ int check(const CheckArguments& arguments) {
   if (!arguments.address.empty()) return check_server(arguments);
   if (!arguments.changes.empty()) return check_changed(file, arguments.changes);
   if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
+  if (std::filesystem::is_directory(file)) return check_recording(recording_in(file).string());
   check_is_file(file);
   if (plugin::is_library(file) || std::filesystem::path{file}.extension() == ".py")
     return check_plugin(file, arguments.config);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
 
 #include <fmt/format.h>
@@ -12,6 +13,9 @@
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/recording/recording.hpp>
+
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -49,8 +53,25 @@ Words choices_of(const CLI::Option& option) {
   return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
-Words candidates_for(const CLI::Option& option) {
+// Names of a ring's or a recording's signals.
+Words signals_of(const std::string& source) {
+  try {
+    if (std::filesystem::exists(source)) return recording::Reader{recording_in(source)}.names();
+    Words names;
+    const broker::Ring ring = broker::Ring::attach(source);
+    for (const auto& entry : ring.map().signals()) names.push_back(entry.name);
+    return names;
+  } catch (const Error&) {
+    return {};
+  }
+}
+
+/// @param source  first positional word: a ring or a recording; empty: none yet
+Words candidates_for(const CLI::Option& option, const std::string& source) {
   Words candidates = choices_of(option);
+  if (option.get_name() == "signals") candidates = signals_of(source);
+  if (option.get_name() == "assignments")
+    for (const auto& name : signals_of(source)) candidates.push_back(name + "=");
   if (option.get_name() == "ring" || option.get_name() == "source")
     for (const auto& ring : broker::list_rings()) candidates.push_back(ring.name);
   if (option.get_name() == "map") candidates = rths::built_in_names("maps");
@@ -143,6 +164,7 @@ Words completions(const CLI::App& app, const Words& words) {
   if (words.empty()) return {};
   const CLI::App* command = &app;
   std::size_t positionals = 0;
+  std::string source;
   const CLI::Option* value_of = nullptr;
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
     const bool is_value = value_of != nullptr;
@@ -151,18 +173,18 @@ Words completions(const CLI::App& app, const Words& words) {
     if (const auto* inner = command_named(*command, words[i])) {
       command = inner;
     } else {
-      ++positionals;
+      if (positionals++ == 0) source = words[i];
     }
   }
   Words candidates;
   if (value_of != nullptr) {
-    candidates = candidates_for(*value_of);
+    candidates = candidates_for(*value_of, source);
   } else if (words.back().rfind('-', 0) == 0) {
     candidates = option_names(*command);
   } else if (!commands_of(*command).empty()) {
     candidates = names_of(commands_of(*command));
   } else if (const auto* option = positional(*command, positionals)) {
-    candidates = candidates_for(*option);
+    candidates = candidates_for(*option, source);
   }
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
                                   [&](const std::string& candidate) {

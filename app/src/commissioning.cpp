@@ -25,17 +25,12 @@
 namespace rths::app {
 namespace {
 
-std::filesystem::path recording_of(const std::filesystem::path& file_or_folder) {
-  return std::filesystem::is_directory(file_or_folder) ? file_or_folder / report::kRunFile
-                                                       : file_or_folder;
-}
-
 // A recording that is given twice, or a copy of it, would halve the variance of each estimate.
 std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>& files) {
   std::vector<std::filesystem::path> paths;
   std::vector<recording::Reader> runs;
   for (const auto& file : files) {
-    const auto path = recording_of(file);
+    const auto path = recording_in(file);
     recording::Reader run{path};
     for (std::size_t i = 0; i < paths.size(); ++i) {
       std::error_code ignored;
@@ -58,7 +53,7 @@ int delay(const CommissioningArguments& a) {
   question.window = a.window;
   question.search = a.search;
   question.least_rms = a.least_rms;
-  const auto file = recording_of(a.files.at(0));
+  const auto file = recording_in(a.files.at(0));
   const auto pairs = recording::of_file(
       file, [&] { return commissioning::track(recording::Reader{file}, question); });
   fmt::print("{}", a.json ? commissioning::json_of(pairs) : commissioning::text_of(pairs));
@@ -99,7 +94,7 @@ int pretest(const CommissioningArguments& a) {
     settings.folder = temporary.emplace("pretest").path();
   else
     create_folder(settings.folder = a.out);
-  if (!a.machine.empty()) settings.machine = recording_of(a.machine);
+  if (!a.machine.empty()) settings.machine = recording_in(a.machine);
   settings.version = version();
   const auto result = commissioning::pretest(experiment, settings);
   fmt::print("{}", a.json ? commissioning::json_of(result) : commissioning::text_of(result));

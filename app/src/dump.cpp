@@ -15,6 +15,7 @@
 
 #include "commands.hpp"
 #include "patterns.hpp"
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -87,6 +88,23 @@ int dump_ring(const DumpArguments& arguments) {
   return arguments.count > 0 ? kConditionNotMet : kOk;
 }
 
+/// A signal of a recording.
+struct Column {
+  std::string name, unit;
+  std::vector<double> values;
+};
+
+// The unit in which `rths dump` prints the word on the ring. Others are recorded in SI alone.
+Column in_map_unit(Column column, const memmap::Map& map) {
+  for (const auto& entry : map.signals()) {
+    if (entry.name != column.name) continue;
+    const memmap::Codec codec{*entry.signal};
+    for (double& value : column.values) value = codec.from_si(value);
+    column.unit = entry.signal->unit;
+  }
+  return column;
+}
+
 int dump_recording(const DumpArguments& arguments) {
   for (const auto& [is_given, option] :
        {std::pair{arguments.once, "--once"}, std::pair{arguments.timeout_ms > 0, "--timeout"}})
@@ -94,14 +112,10 @@ int dump_recording(const DumpArguments& arguments) {
       throw Error{
           fmt::format("{}: found {} with a recording, which does not change, expected a ring",
                       arguments.ring_or_recording, option)};
-  const recording::Reader reader{arguments.ring_or_recording};
-  struct Column {
-    std::string name, unit;
-    std::vector<double> values;
-  };
+  const recording::Reader reader{recording_in(arguments.ring_or_recording)};
   std::vector<Column> columns;
   for (const auto& name : selected(reader.names(), arguments.patterns, arguments.ring_or_recording))
-    columns.push_back({name, reader.unit(name), reader.signal(name)});
+    columns.push_back(in_map_unit({name, reader.unit(name), reader.signal(name)}, reader.map()));
   Printer printer{arguments};
   for (std::size_t row = 0; row < reader.rows() && !printer.enough(); ++row)
     for (const auto& column : columns)

@@ -15,8 +15,7 @@
 namespace rths::app {
 
 int export_table(const ExportArguments& arguments) {
-  std::filesystem::path source = arguments.recording;
-  if (std::filesystem::is_directory(source)) source /= report::kRunFile;
+  const std::filesystem::path source = recording_in(arguments.recording);
   const recording::Reader reader{source};
   const std::filesystem::path target =
       arguments.out.empty() ? source.stem().string() + "." + arguments.format : arguments.out;

@@ -170,9 +170,7 @@ Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) 
 }  // namespace
 
 int replay(const ReplayArguments& arguments) {
-  std::filesystem::path source = arguments.recording;
-  if (std::filesystem::is_directory(source)) source /= report::kRunFile;
-  const recording::Reader run{source};
+  const recording::Reader run{recording_in(arguments.recording)};
   const bool is_fmu = fmi::is_fmu(arguments.library);
   Loaded loaded = is_fmu ? load_fmu(arguments, run) : load_plugin(arguments, run);
   Signals signals = signals_of(*loaded.adapter, run, arguments.node);

@@ -179,6 +179,15 @@ FolderLock::~FolderLock() {
   close(descriptor_);
 }
 
+std::filesystem::path recording_in(const std::filesystem::path& file_or_folder) {
+  if (!std::filesystem::is_directory(file_or_folder)) return file_or_folder;
+  auto recording = file_or_folder / report::kRunFile;
+  if (!std::filesystem::exists(recording))
+    throw Error{fmt::format("{}: the folder has no {}, expected that of a run",
+                            file_or_folder.string(), report::kRunFile)};
+  return recording;
+}
+
 void create_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);

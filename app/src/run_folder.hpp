@@ -25,6 +25,10 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
+/// A recording, or that of the run in a folder.
+/// @throws Error if the folder has none   @setup
+[[nodiscard]] std::filesystem::path recording_in(const std::filesystem::path& file_or_folder);
+
 /// Creates a folder and its parents. @throws Error if that fails   @setup
 void create_folder(const std::filesystem::path& folder);
 

@@ -3,10 +3,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <bit>
-#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -88,16 +86,9 @@ std::optional<RingReport> inspect(const std::string& name) {
 }  // namespace
 
 std::vector<RingReport> list_rings() {
-  const std::string prefix = object_name("");
   std::vector<RingReport> reports;
-  std::error_code unreadable;
-  for (const auto& file : std::filesystem::directory_iterator{kObjectFolder, unreadable}) {
-    const std::string object = file.path().filename().string();
-    if (object.rfind(prefix, 0) != 0) continue;
-    if (auto report = inspect(object.substr(prefix.size()))) reports.push_back(std::move(*report));
-  }
-  std::sort(reports.begin(), reports.end(),
-            [](const RingReport& a, const RingReport& b) { return a.name < b.name; });
+  for (const auto& name : ring_names())
+    if (auto report = inspect(name)) reports.push_back(std::move(*report));
   return reports;
 }
 

@@ -9,11 +9,11 @@
 #include <thread>
 #include <utility>
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <fmt/format.h>
+#include <sys/mman.h>
 
+#include <rths/core/config.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
@@ -203,9 +203,12 @@ std::unique_ptr<Segment> Segment::attach_shared(const std::string& name) {
   try {
     memory->object.emplace(SharedObject::open(name));
   } catch (const Error& error) {
-    const bool exists = access(("/dev/shm/" + object_name(name)).c_str(), F_OK) == 0;
-    throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}{}", name, error.what(),
-                                  exists ? "" : "; start its run before the programs on it")};
+    const auto rings = ring_names();
+    if (!contains(rings, name))
+      throw ForeignRing{fmt::format(
+          "there is no ring '{}'{}; start its run before the programs on it", name,
+          rings.empty() ? " on this host, nor any other" : did_you_mean_one_of(name, rings))};
+    throw ForeignRing{fmt::format("ring '{}' cannot be attached: {}", name, error.what())};
   }
   try {
     const Header header = checked_header(*memory->object, name);

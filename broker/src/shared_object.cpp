@@ -6,8 +6,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 
 #include <rths/core/error.hpp>
 
@@ -33,6 +35,17 @@ struct stat status_of(int descriptor) {
 }  // namespace
 
 std::string object_name(const std::string& ring) { return "rths." + ring; }
+
+std::vector<std::string> ring_names() {
+  const std::string prefix = object_name("");
+  std::vector<std::string> names;
+  std::error_code unreadable;
+  for (const auto& file : std::filesystem::directory_iterator{kFolder, unreadable})
+    if (const std::string object = file.path().filename().string(); object.starts_with(prefix))
+      names.push_back(object.substr(prefix.size()));
+  std::sort(names.begin(), names.end());
+  return names;
+}
 
 bool remove_object(const std::string& ring) { return shm_unlink(path_of(ring).c_str()) == 0; }
 

@@ -313,11 +313,21 @@ void Config::fail(const std::string& key, const std::string& message) const {
   throw Error{where(key) + ": " + message};
 }
 
+namespace {
+
+// A long list of keys does not help.
+std::string hint_for(const std::string& key, const std::vector<std::string>& known) {
+  constexpr std::size_t kMostListed = 16;
+  return known.size() > kMostListed ? did_you_mean(key, known) : did_you_mean_one_of(key, known);
+}
+
+}  // namespace
+
 void Config::reject_unknown_keys() const {
   for (const auto& [key, value] : table_) {
     if (asked_.count(key) > 0) continue;
     throw Error{fmt::format("{}: unknown key '{}'{}", value.where, key,
-                            did_you_mean(key, {asked_.begin(), asked_.end()}))};
+                            hint_for(key, {asked_.begin(), asked_.end()}))};
   }
 }
 

@@ -23,9 +23,22 @@ std::string place(const std::string& name, const toml::source_region& source) {
 
 ConfigValue convert(const toml::node& node, const std::string& name);
 
+// Names are printed and become those of files, so none may change a terminal.
+std::string checked_text(std::string text, const std::string& where) {
+  const bool has_controls = std::any_of(text.begin(), text.end(), [](unsigned char c) {
+    return (c < ' ' && c != '\n' && c != '\t' && c != '\r') || c == 0x7F;
+  });
+  if (has_controls)
+    throw Error{fmt::format("{}: the text '{}' has control characters, expected printable ones",
+                            where, printable(text))};
+  return text;
+}
+
 ConfigValue::Table convert_table(const toml::table& table, const std::string& name) {
   ConfigValue::Table result;
-  for (const auto& [key, value] : table) result.emplace(key.str(), convert(value, name));
+  for (const auto& [key, value] : table)
+    result.emplace(checked_text(std::string{key.str()}, place(name, key.source())),
+                   convert(value, name));
   return result;
 }
 
@@ -40,7 +53,7 @@ ConfigValue convert(const toml::node& node, const std::string& name) {
   if (const auto truth = node.value_exact<bool>()) return {*truth, where};
   if (const auto whole = node.value_exact<std::int64_t>()) return {*whole, where};
   if (const auto real = node.value_exact<double>()) return {*real, where};
-  if (const auto text = node.value_exact<std::string>()) return {*text, where};
+  if (const auto text = node.value_exact<std::string>()) return {checked_text(*text, where), where};
   throw Error{where + ": dates and times are not supported"};
 }
 

@@ -53,7 +53,7 @@ void add_axes(Config& model, const sim::TestMachine& machine) {
 }
 
 // Requires that the model has each "term.parameter"; a fit would silently omit a wrong name.
-void check_composition(const Config& table, const Config& model) {
+void check_composition(const Config& table, const Config& model, const std::string& bearing) {
   std::vector<std::string> known;
   for (const auto& key : model.keys()) {
     if (!model.is_table(key)) continue;
@@ -63,8 +63,14 @@ void check_composition(const Config& table, const Config& model) {
   for (const auto& name : table.texts("fitted", {})) {
     if (contains(known, name)) continue;
     const std::string hint = did_you_mean(name, known);
-    table.fail("fitted", fmt::format("the model has no parameter '{}'{}", name,
-                                     hint.empty() ? ", expected \"term.parameter\"" : hint));
+    table.fail(
+        "fitted",
+        fmt::format("the model has no parameter '{}'{}", name,
+                    hint.empty() ? fmt::format(", expected \"term.parameter\" of the "
+                                               "specimen '{}' or of the machine; fitted = [] "
+                                               "fits none",
+                                               bearing)
+                                 : hint));
   }
 }
 
@@ -228,7 +234,7 @@ AssumedModel read_assumed_model(const Config& table, const Config& specimen, con
   }
   add_terms(model, sim::srmd_terms().overlaid(changed));
   add_axes(model, assumed.machine);
-  check_composition(table, model);
+  check_composition(table, model, assumed.bearing.title);
   model.put("fitted", table.texts("fitted", {}));
   if (table.has("bounds")) model.set("bounds", table.table("bounds"));
   table.reject_unknown_keys();

@@ -5,11 +5,15 @@
 #include <cstdio>
 #include <fstream>
 #include <optional>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include <rths/adapters/child_program.hpp>
+#include <rths/adapters/opf_layout.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 
@@ -200,14 +204,34 @@ class ForeignNode {
     if (signs == 0) {
       if (now - began_ < from_seconds(plan_.settings.program->connect_deadline))
         return std::nullopt;
-      return fmt::format("{} (process {}) wrote no word within {:g} s (connect_deadline_s)", name_,
-                         process_, plan_.settings.program->connect_deadline);
+      return fmt::format("{} (process {}) wrote no word within {:g} s (connect_deadline_s){}",
+                         name_, process_, plan_.settings.program->connect_deadline, missed_flag());
     }
     const double longest = plan_.settings.program->longest_silence * experiment_.rate;
     if (silence_.look(now, signs) <= from_seconds(longest)) return std::nullopt;
     return fmt::format(
-        "{} (process {}) is silent: no new value in its words for {:g} s (silence_s)", name_,
-        process_, longest);
+        "{} (process {}) is silent: no new value in its words for {:g} s (silence_s){}", name_,
+        process_, longest, missed_flag());
+  }
+
+  // OpenFresco locates the flags by counting the signals of its control points.
+  [[nodiscard]] std::string missed_flag() const {
+    std::vector<std::string> names;
+    for (const auto& entry : ring_.map().signals()) names.push_back(entry.name);
+    for (const char* flag : {"opf.newTarget", "daq.switchPC", "daq.atTarget"})
+      if (!contains(names, flag)) return "";
+    const bool has_target = word("opf.newTarget") == 1;
+    const char* const flag = has_target ? "daq.switchPC" : "daq.atTarget";
+    if (word(flag) != 1) return "";
+    const auto layout = adapters::opf_layout(ring_.map());
+    return fmt::format(
+        "; {} is 1 at word {} since: a program that waits for it looks at another word, expected "
+        "control points of {} signals to the controller and {} back",
+        flag, ring_.map().entry(ring_.map().signal(flag)).signal->offset.value(),
+        layout.commands.size(), layout.feedbacks.size());
+  }
+  [[nodiscard]] std::uint32_t word(const char* signal) const {
+    return observer_.read(ring_.map().entry(ring_.map().signal(signal)).signal->offset);
   }
 
   void wait_until_left(Duration longest) const {

@@ -68,9 +68,20 @@ void await_others(const Experiment& experiment, const NodePlan& plan,
   }
 }
 
+// How long a program may wait for its user before its first target [s].
+double longest_start(const Experiment& experiment) {
+  double longest = 0;
+  for (const auto& plan : experiment.nodes)
+    if (const auto& program = plan.settings.program)
+      longest =
+          std::max(longest, program->connect_deadline + program->longest_silence * experiment.rate);
+  return longest;
+}
+
 std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
   constexpr double kSlowest = 2, kMargin = 10;  // of the planned duration; [s]
-  const double longest = (experiment.rest + experiment.duration * experiment.rate) * kSlowest;
+  const double longest = (experiment.rest + experiment.duration * experiment.rate) * kSlowest +
+                         longest_start(experiment);
   return static_cast<std::size_t>((longest + kMargin) / to_seconds(plan.schedule.period));
 }
 
@@ -84,8 +95,9 @@ std::string late_end(const Experiment& experiment, double now) {
   std::string solver;
   for (const auto& plan : experiment.nodes)
     if (plan.settings.may_not_end) solver = plan.node;
-  return fmt::format("{}: did not end the test until {:.3f} s, expected its end at {:g} s", solver,
-                     now, experiment.rest + experiment.duration * experiment.rate);
+  return fmt::format(
+      "{}: did not end the test until {:.3f} s, expected its end {:g} s after its first target",
+      solver, now, experiment.duration * experiment.rate);
 }
 
 Duration longest_stop(const Experiment& experiment) {

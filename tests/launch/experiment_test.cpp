@@ -246,6 +246,10 @@ TEST_F(ExperimentTest, SaysWhereTheModelIsWrong) {
   EXPECT_EQ(error("[model]\nfitted = [\"bouc_wen.eta_\"]"),
             "lab.toml:10:10: the model has no parameter 'bouc_wen.eta_' (did you mean "
             "'bouc_wen.eta'?)");
+  EXPECT_EQ(error("[model]\nfitted = [\"triple_pendulum.friction\"]")
+                .find("lab.toml:10:10: the model has no parameter 'triple_pendulum.friction', "
+                      "expected \"term.parameter\" of the specimen"),
+            0U);
 }
 
 TEST_F(ExperimentTest, SaysWhereATermDoesNotApply) {

@@ -188,6 +188,23 @@ TEST(ForeignNode, StoppedIsNoticedAsSilentAndEnded) {
   EXPECT_FALSE(test::is_running(victim));
 }
 
+// OpenFresco's control points with one signal too few: it looks for the flags a word too early.
+TEST(ForeignNode, ThatCountsOtherSignalsThanTheMapIsNamedWithTheFlagThatItMisses) {
+  ForeignRun run{"foreign_miscounted",
+                 "srmd_block_2d.toml",
+                 {command_of({(test::build_tree() / "bin/scramnet_miscounted").string()}),
+                  "node.opf.silence_s=0.5"}};
+
+  const test::Finished finished = run.running.wait();
+
+  EXPECT_EQ(finished.exit_code, 2);
+  EXPECT_NE(finished.err.find("daq.switchPC is 1 at word 1060 since: a program that waits for it "
+                              "looks at another word, expected control points of 35 signals to the "
+                              "controller and 35 back"),
+            std::string::npos)
+      << finished.err;
+}
+
 TEST(ForeignNode, FailureIsReportedWithItsLastLine) {
   ForeignRun run{"foreign_failure",
                  "srmd_block_2d.toml",
