@@ -32,6 +32,17 @@ TEST(Config, RefusesNaNAndInfinity) {
             "lab.toml:1:12: gain is -inf, expected a finite number");
 }
 
+TEST(Config, RefusesControlCharacters) {
+  for (const char* text : {"name = \"a\\u001b[31mb\"", "name = [\"a\\u001b[31mb\"]",
+                           "[node.a]\nname = \"a\\u001b[31mb\"", "\"a\\u001b[31mb\" = 1"})
+    EXPECT_NE(test::error_of([&] {
+                static_cast<void>(parse(text));
+              }).find("the text 'a\\x1b[31mb' has control characters, expected printable ones"),
+              std::string::npos)
+        << text;
+  EXPECT_EQ(parse("text = \"two\\nlines\\tand a tab\"").text("text"), "two\nlines\tand a tab");
+}
+
 TEST(Config, ReadsRowsOfEqualLength) {
   const auto rows = parse("mass = [[1, 2.5], [3, 4]]").rows("mass");
 

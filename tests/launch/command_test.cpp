@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/broker/ring.hpp>
+#include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
 #include "support/process.hpp"
@@ -251,6 +252,37 @@ TEST_F(RingCommand, SendConvertsTheGivenUnit) {
 
   EXPECT_NE(run_rths({"dump", name, "--once", "ref.long"}).out.find(") ref.long = 50.8 mm\n"),
             std::string::npos);
+}
+
+TEST_F(RingCommand, DumpPrintsARecordingInTheUnitsOfTheRing) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.path() / "run.h5";
+  {
+    recording::Writer writer{file, ring.map(), {ring.map().signal("ref.long")}, {}};
+    const double metres = 0.0508;
+    writer.append(Duration{0}, {&metres, 1});
+    writer.close();
+  }
+
+  for (const auto& source : {file, folder.path()})
+    EXPECT_NE(run_rths({"dump", source.string()}).out.find(") ref.long = 50.8 mm\n"),
+              std::string::npos);
+  EXPECT_NE(run_rths({"check", folder.path().string()}).out.find(": recording, 1 rows"),
+            std::string::npos);
+  const test::TemporaryFolder empty;
+  for (const char* command : {"dump", "check"})
+    EXPECT_NE(run_rths({command, empty.path().string()})
+                  .err.find(": the folder has no run.h5, expected that of a run"),
+              std::string::npos);
+}
+
+TEST_F(RingCommand, SuggestsRingsAndCompletesTheirSignals) {
+  EXPECT_NE(run_rths({"dump", name + "x"})
+                .err.find("there is no ring '" + name + "x' (did you mean '" + name + "'?)"),
+            std::string::npos);
+  EXPECT_EQ(run_rths({"complete", "dump", name, "ref.lo"}).out, "ref.long\n");
+  EXPECT_EQ(run_rths({"complete", "send", name, "ref.lo"}).out, "ref.long=\n");
+  EXPECT_EQ(run_rths({"complete", "dump", name + "x", "ref.lo"}).out, "\n");
 }
 
 TEST_F(RingCommand, WhoReportsWriterAndTimeOfAWord) {
