@@ -205,6 +205,8 @@ std::string describe_column(const sim::MotionFile& motion, int column) {
       of.stated.unknown.empty() &&
       (of.stated.unit == nullptr || of.stated.unit->kind == sim::MotionUnit::Kind::Acceleration);
   std::string text = motion.has_one_component() ? "" : fmt::format(" of column {}", column);
+  if (of.values.size() != motion.columns[0].values.size())
+    text += fmt::format(" with {} samples", of.values.size());
   if (!of.heading.empty()) text += fmt::format(" '{}'", printable(of.heading.substr(0, 60)));
   if (!is_acceleration) return "no acceleration" + text;
   double peak = 0;
@@ -216,8 +218,7 @@ std::string describe_column(const sim::MotionFile& motion, int column) {
 }
 
 int check_motion(const std::string& file) {
-  const auto remarks = launch::check_motion_file(file);
-  const auto motion = sim::read_motion_file(file);
+  const auto [motion, remarks] = launch::check_motion_file(file);
   std::string text = fmt::format("{}: ground motion ({}), {} samples, interval {:g} s, peak ", file,
                                  motion.format, motion.columns[0].values.size(), motion.time_step);
   for (std::size_t i = 0; i < motion.columns.size(); ++i)

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -66,6 +67,16 @@ void check_source(const Config& table, const sim::MotionSource& source, double s
   table.fail("scale", fmt::format("scale is {:g}, but '{}' states {}, which is converted to g: "
                                   "expected scale = {:.3g}",
                                   scale, source.heading, source.unit, scale * source.per_g));
+}
+
+// Channels of one recorder begin together, but may end a few samples apart.
+void remark_lengths(const sim::GroundMotion& motion, std::vector<std::string>& remarks) {
+  std::size_t least = motion.long_acceleration.size();
+  for (const auto& source : motion.sources) least = std::min(least, source.samples);
+  if (least < motion.long_acceleration.size() && !motion.sources.empty())
+    remarks.push_back(fmt::format(
+        "the channels of {} have {} to {} samples; zeros follow the shorter ones",
+        motion.sources[0].file.filename().string(), least, motion.long_acceleration.size()));
 }
 
 // One component may drive both axes on purpose, or by mistake.
@@ -174,6 +185,7 @@ std::vector<std::string> check_motion(const Config& table, const sim::GroundMoti
   MotionSizes most;
   std::vector<std::string> remarks;
   remark_shared(motion, axes, remarks);
+  remark_lengths(motion, remarks);
   for (const auto* component :
        {&motion.long_acceleration, &motion.lat_acceleration, &motion.vert_acceleration}) {
     const MotionSizes sizes = sizes_of(*component, motion.time_step);
@@ -194,11 +206,23 @@ std::vector<std::string> check_motion(const Config& table, const sim::GroundMoti
   return remarks;
 }
 
-std::vector<std::string> check_motion_file(const std::filesystem::path& file) {
+CheckedMotion check_motion_file(const std::filesystem::path& file) {
   Config table;
   table.put("file", std::filesystem::absolute(file).string());
   try {
-    return check_motion(table, adapters::read_motion(table), {"long"});
+    adapters::MotionFiles files;
+    const auto& read = files.at(std::filesystem::absolute(file));
+    CheckedMotion checked;
+    for (std::size_t channel = 1; channel <= (read.has_channels ? read.columns.size() : 1);
+         ++channel) {
+      if (read.has_channels)
+        for (const char* key : {"column_long", "column_lat"})
+          table.set(key, std::to_string(channel));
+      for (auto& remark : check_motion(table, adapters::read_motion(table, files), {"long"}))
+        checked.remarks.push_back(std::move(remark));
+    }
+    checked.file = read;
+    return checked;
   } catch (const Error& error) {
     // The table itself has no place.
     const std::string problem = error.what();

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kMostHeaderLines = 40;
 constexpr double kMostSamples = 1e9, kLongestStep = 1;  // [-], [s]
-constexpr NumberStyle kFortran{.glued = true};
+constexpr double kStepTolerance = 1e-3;                 // of DT
+constexpr NumberStyle kFortran{.fortran = true};
 constexpr const char* kExpected =
     "expected NPTS and DT with a number each, as in 'NPTS= 4000, DT= .0050 SEC'";
 
@@ -43,24 +44,24 @@ std::string with_points(std::string_view line) {
 }
 
 void add_word(std::string_view word, Tokens& tokens) {
-  if (word == "NPTS" || word == "NPT") tokens.push_back({Token::Kind::Count});
-  if (word == "DT") tokens.push_back({Token::Kind::Step});
-  if (word == "MS" || word == "MSEC") tokens.push_back({Token::Kind::Milli});
+  if (word == "npts" || word == "npt") tokens.push_back({Token::Kind::Count});
+  if (word == "dt") tokens.push_back({Token::Kind::Step});
+  if (word == "ms" || word == "msec") tokens.push_back({Token::Kind::Milli});
 }
 
 // Words, numbers and signs of equality, in order; other words are left out.
 Tokens tokens_of(std::string_view line) {
-  const std::string text = in_capitals(with_points(line));
+  const std::string text = in_small_letters(with_points(line));
   Tokens tokens;
   std::string_view rest{text};
   double number = 0;
   while (!rest.empty()) {
-    if (take_number(rest, number)) {
+    if (take_number(rest, number, {})) {
       tokens.push_back({Token::Kind::Number, number});
       continue;
     }
     std::size_t length = 0;
-    while (length < rest.size() && rest[length] >= 'A' && rest[length] <= 'Z') ++length;
+    while (length < rest.size() && rest[length] >= 'a' && rest[length] <= 'z') ++length;
     if (length > 0) add_word(rest.substr(0, length), tokens);
     if (rest.front() == '=' || rest.front() == ':') tokens.push_back({Token::Kind::Sign});
     rest.remove_prefix(std::max<std::size_t>(length, 1));
@@ -169,13 +170,17 @@ Header read_header(const MotionText& text) {
   if (count_of(tokens, Token::Kind::Step) > 1 || count_of(tokens, Token::Kind::Count) > 1)
     fail("several NPTS or DT");
   if (count_of(tokens, Token::Kind::Number) == 0) add_adjacent_numbers(text, header, tokens);
+  // "DT (MSEC) = 5"
+  const bool is_milli = std::erase_if(tokens, [](const Token& token) {
+                          return token.kind == Token::Kind::Milli;
+                        }) > 0;
   const auto values = assigned(tokens);
   if (!values) fail("numbers are not assigned");
   const bool is_count_first =
       std::find_if(tokens.begin(), tokens.end(), is_name)->kind == Token::Kind::Count;
   header.count = is_count_first ? values->first : values->second;
   header.step = is_count_first ? values->second : values->first;
-  if (count_of(tokens, Token::Kind::Milli) > 0) header.step *= 1e-3;
+  if (is_milli) header.step *= 1e-3;
   if (!(header.count >= 2 && header.count < kMostSamples) ||
       header.count != std::floor(header.count))
     fail(fmt::format("NPTS is {:g}, expected a whole number above 1,", header.count));
@@ -189,9 +194,31 @@ Header read_header(const MotionText& text) {
 std::size_t first_value(const MotionText& text, std::size_t at) {
   for (double number = 0; at < std::min(text.lines.size(), 2 * kMostHeaderLines); ++at) {
     std::string_view line = trimmed(text.lines[at]);
-    if (take_number(line, number)) break;
+    if (take_number(line, number, kFortran)) break;
   }
   return at;
+}
+
+// Columns may keep the header: NPTS counts their rows.
+MotionFile read_with_time(const MotionText& text, const Header& header) {
+  MotionFile motion = read_columns(text);
+  if (std::abs(motion.time_step - header.step) > kStepTolerance * header.step)
+    text.fail(header.line, fmt::format("DT is {:g} s, but the first column has steps of {:g} s",
+                                       header.step, motion.time_step));
+  return motion;
+}
+
+// The names of records of velocity and displacement, where the header does not say so.
+void reject_other_quantity(const MotionText& text, const MotionColumn& column) {
+  if (column.stated.unit != nullptr) return;
+  const std::string ending = in_small_letters(text.file.extension().string());
+  for (const auto& [other, quantity] :
+       {std::pair{".vt2", "velocity"}, std::pair{".dt2", "displacement"}})
+    if (ending == other)
+      throw Error{
+          fmt::format("{}: its name is that of a record of {}, expected acceleration, or "
+                      "'ACCELERATION TIME SERIES IN UNITS OF G' in the header",
+                      text.file.string(), quantity)};
 }
 
 }  // namespace
@@ -200,9 +227,8 @@ bool has_at2_header(const MotionText& text) {
   if (line_of_count(text)) return true;
   for (std::size_t i = 0; i < std::min(text.lines.size(), kMostHeaderLines); ++i) {
     if (is_row(text.lines[i], kFortran)) return false;
-    const std::string capitals = in_capitals(text.lines[i]);
-    if (states_time_history(capitals) && capitals.find("UNITS OF") != std::string::npos)
-      return true;
+    const std::string small = in_small_letters(text.lines[i]);
+    if (states_time_history(small) && small.find("units of") != std::string::npos) return true;
   }
   return false;
 }
@@ -213,6 +239,7 @@ MotionFile read_at2(const MotionText& text) {
   MotionColumn column;
   const std::size_t begin = first_value(text, header.end + 1);
   read_at2_unit(text, begin, column);
+  reject_other_quantity(text, column);
   NumberStyle style = kFortran;
   style.decimal_comma = has_decimal_commas(text, begin);
   std::size_t rows = 0;
@@ -223,8 +250,7 @@ MotionFile read_at2(const MotionText& text) {
     if (column.values.size() > before) ++rows;
   }
   const auto count = static_cast<std::size_t>(header.count), found = column.values.size();
-  // Columns may keep the header: NPTS counts their rows.
-  if (found != count && rows == count && found % count == 0) return read_columns(text);
+  if (found != count && rows == count && found % count == 0) return read_with_time(text, header);
   if (found != count)
     text.fail(std::max<std::size_t>(text.lines.size(), 1) - 1,
               fmt::format("{} values found, expected NPTS = {}", found, count));

@@ -13,8 +13,6 @@
 namespace rths::sim {
 namespace {
 
-constexpr double kTimeTolerance = 1e-3;  // of a step: precision of three printed decimals
-constexpr double kTimeRounding = 6e-4;   // [s]
 constexpr double kMilli = 1e-3, kMicro = 1e-6;
 constexpr NumberStyle kPoints{}, kCommas{.decimal_comma = true};
 
@@ -23,14 +21,6 @@ bool is_empty(std::string_view line) { return line.find_first_not_of(" \t\",;") 
 bool is_comment(std::string_view line) {
   line = trimmed(line);
   return !line.empty() && (line.front() == '#' || line.front() == '%');
-}
-
-std::string in_small_letters(std::string_view text) {
-  std::string result{text};
-  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  });
-  return result;
 }
 
 std::vector<double> numbers_of(std::string_view line, NumberStyle style) {
@@ -42,7 +32,7 @@ std::vector<double> numbers_of(std::string_view line, NumberStyle style) {
 bool starts_with_number(std::string_view line) {
   line = line.substr(std::min(line.find_first_not_of(" \t\""), line.size()));
   double number = 0;
-  return take_number(line, number) &&
+  return take_number(line, number, kPoints) &&
          (line.empty() || std::string_view{" \t,;\""}.find(line.front()) != line.npos);
 }
 
@@ -269,16 +259,22 @@ class ColumnReader {
     return is_named_time() || !states_motion;
   }
 
+  [[nodiscard]] std::string other_first_column() const {
+    return headings_[0].empty() || is_named_time()
+               ? ""
+               : fmt::format(": the first column is '{}', expected time", headings_[0]);
+  }
+
   [[nodiscard]] double time_step() const {
     const double unit = unit_of_time();
-    const double begin = unit * rows_.front()[0], end = unit * rows_.back()[0];
-    const double step = (end - begin) / static_cast<double>(rows_.size() - 1);
-    if (!(step > 0)) text_.fail(lines_.back(), "time does not increase");
-    for (std::size_t i = 1; i < rows_.size(); ++i)
-      if (std::abs(unit * rows_[i][0] - begin - static_cast<double>(i) * step) >
-          std::max(kTimeTolerance * step, kTimeRounding))
-        text_.fail(lines_[i], "time is not equally spaced");
-    return step;
+    std::vector<double> stamps;
+    for (const auto& row : rows_) stamps.push_back(unit * row[0]);
+    const auto steps = time_steps(stamps);
+    if (!(steps.step > 0))
+      text_.fail(lines_.back(), "time does not increase" + other_first_column());
+    if (steps.wrong)
+      text_.fail(lines_[*steps.wrong], "time is not equally spaced" + other_first_column());
+    return steps.step;
   }
 
   [[nodiscard]] MotionColumn column(std::size_t index) const {

@@ -13,24 +13,20 @@
 namespace rths::sim {
 namespace {
 
-/// Two texts that only the header of a format has.
-struct Foreign {
-  const char* name;
-  std::string_view one, other;
+/// A format that its header shows, unlike columns.
+struct Format {
+  bool (*is_of)(const MotionText&);
+  MotionFile (*read)(const MotionText&);
 };
-constexpr Foreign kForeign[] = {{"a COSMOS", "(Format v", "text lines)"},
-                                {"a CSMIP", "ccelerogram", "points of accel data"},
-                                {"a CSMIP", "CCELEROGRAM", "POINTS OF ACCEL DATA"},
-                                {"an SMC", "CORRECTED ACCELEROGRAM", "\n*"}};
+constexpr Format kFormats[] = {
+    {has_k_net_header, read_k_net}, {has_esm_header, read_esm},
+    {has_cwa_header, read_cwa},     {has_smc_header, read_smc},
+    {has_at2_header, read_at2},     {has_channel_blocks, read_channel_blocks}};
 
-// Values of these records are integers, or have another unit.
-void reject_foreign(const std::filesystem::path& file, std::string_view text) {
-  constexpr std::size_t kHeader = 4096;  // [B]
-  const auto header = text.substr(0, kHeader);
-  for (const Foreign& one : kForeign)
-    if (header.find(one.one) != header.npos && header.find(one.other) != header.npos)
-      throw Error{fmt::format("{}: looks like {} record, expected .AT2, or columns with time first",
-                              file.string(), one.name)};
+const Format* format_of(const MotionText& text) {
+  const auto found = std::find_if(std::begin(kFormats), std::end(kFormats),
+                                  [&](const Format& format) { return format.is_of(text); });
+  return found == std::end(kFormats) ? nullptr : found;
 }
 
 std::string_view without_end_mark(std::string_view text) {
@@ -55,11 +51,9 @@ MotionFile read_motion_file(const std::filesystem::path& file) {
 MotionFile read_motion_text(const std::filesystem::path& file, std::string_view content) {
   if (content.find('\0') != content.npos)
     throw Error{fmt::format("{}: found bytes that are zero, expected text", file.string())};
-  reject_foreign(file, content);
   const MotionText text{file, lines_of(without_end_mark(content))};
-  if (has_k_net_header(text)) return read_k_net(text);
-  if (has_esm_header(text)) return read_esm(text);
-  return has_at2_header(text) ? read_at2(text) : read_columns(text);
+  const Format* format = format_of(text);
+  return format == nullptr ? read_columns(text) : format->read(text);
 }
 
 bool looks_like_motion(std::string_view text) {
@@ -69,8 +63,7 @@ bool looks_like_motion(std::string_view text) {
   });
   const auto filled = std::count_if(lines.lines.begin(), lines.lines.end(),
                                     [](auto line) { return !trimmed(line).empty(); });
-  if (has_k_net_header(lines) || has_esm_header(lines)) return true;
-  return 2 * rows > filled || (rows > 0 && has_at2_header(lines));
+  return 2 * rows > filled || (rows > 0 && format_of(lines) != nullptr);
 }
 
 std::vector<double> acceleration_in_g(const MotionFile& motion, int column) {

@@ -22,8 +22,8 @@ std::size_t digits_from(std::string_view text, std::size_t at) {
   return at;
 }
 
-// Length of the number at the start of a text; 0: there is none.
-std::size_t length_of_number(std::string_view text) {
+// "-12.5"; 0: there are no digits.
+std::size_t length_of_mantissa(std::string_view text) {
   const std::size_t begin = !text.empty() && is_sign(text.front()) ? 1 : 0;
   std::size_t end = digits_from(text, begin), digits = end - begin;
   if (end < text.size() && text[end] == '.') {
@@ -31,8 +31,25 @@ std::size_t length_of_number(std::string_view text) {
     end = digits_from(text, fraction);
     digits += end - fraction;
   }
-  if (digits == 0) return 0;
-  if (end == text.size() || std::string_view{"eEdD"}.find(text[end]) == std::string_view::npos)
+  return digits == 0 ? 0 : end;
+}
+
+// The exponent of ".291-03", behind a mantissa with a point. A number that touches has a point too.
+std::size_t length_of_bare_exponent(std::string_view mantissa, std::string_view rest) {
+  const bool has_letter = mantissa.find_first_of("eEdD") != mantissa.npos;
+  if (has_letter || mantissa.find('.') == mantissa.npos || rest.empty() || !is_sign(rest[0]))
+    return 0;
+  const std::size_t end = digits_from(rest, 1);
+  const bool is_number =
+      end < rest.size() && std::string_view{".eEdD"}.find(rest[end]) != rest.npos;
+  return (end == 3 || end == 4) && !is_number ? end : 0;
+}
+
+// Length of the number at the start of a text; 0: there is none.
+std::size_t length_of_number(std::string_view text) {
+  const std::size_t end = length_of_mantissa(text);
+  if (end == 0 || end == text.size() ||
+      std::string_view{"eEdD"}.find(text[end]) == std::string_view::npos)
     return end;
   const std::size_t power = end + 1 < text.size() && is_sign(text[end + 1]) ? end + 2 : end + 1;
   const std::size_t after = digits_from(text, power);
@@ -53,10 +70,10 @@ bool add_word(std::string_view word, NumberStyle style, std::vector<double>& num
     word = with_points;
   }
   double number = 0;
-  while (take_number(word, number)) {
+  while (take_number(word, number, style)) {
     numbers.push_back(number);
     if (word.empty()) return true;
-    if (!style.glued || !is_sign(word.front())) return false;
+    if (!style.fortran || !is_sign(word.front())) return false;
   }
   return false;
 }
@@ -73,30 +90,38 @@ void MotionText::fail(std::size_t line, const std::string& problem) const {
   throw Error{fmt::format("{}:{}: {}", file.string(), line + 1, problem)};
 }
 
-std::string in_capitals(std::string_view text) {
-  std::string result{text};
-  std::transform(result.begin(), result.end(), result.begin(), [](char c) {
-    return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
-  });
-  return result;
+TimeSteps time_steps(const std::vector<double>& stamps) {
+  constexpr double kTolerance = 1e-3;  // of a step: precision of three printed decimals
+  constexpr double kRounding = 6e-4;   // [s]
+  if (stamps.size() < 2) return {};
+  const double begin = stamps.front();
+  TimeSteps steps{(stamps.back() - begin) / static_cast<double>(stamps.size() - 1), {}};
+  const double most = std::max(kTolerance * steps.step, kRounding);
+  for (std::size_t i = 1; i < stamps.size() && !steps.wrong; ++i)
+    if (std::abs(stamps[i] - begin - static_cast<double>(i) * steps.step) > most) steps.wrong = i;
+  return steps;
 }
 
-bool states_time_history(std::string_view capitals) {
-  return capitals.find("TIME HISTORY") != std::string_view::npos ||
-         capitals.find("TIME SERIES") != std::string_view::npos;
+bool states_time_history(std::string_view small) {
+  return small.find("time history") != std::string_view::npos ||
+         small.find("time series") != std::string_view::npos;
 }
 
-bool take_number(std::string_view& text, double& number) {
+bool take_number(std::string_view& text, double& number, NumberStyle style) {
   std::array<char, 64> digits{};
   const std::size_t length = length_of_number(text);
-  if (length == 0 || length > digits.size()) return false;
-  std::transform(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(length), digits.begin(),
-                 [](char c) { return c == 'd' || c == 'D' ? 'e' : c; });
+  const auto written = text.substr(0, length);
+  const std::size_t bare =
+      style.fortran ? length_of_bare_exponent(written, text.substr(length)) : 0;
+  if (length == 0 || length + bare >= digits.size()) return false;
+  char* end = std::transform(written.begin(), written.end(), digits.data(),
+                             [](char c) { return c == 'd' || c == 'D' ? 'e' : c; });
+  if (bare > 0) *end++ = 'e';
+  end = std::copy_n(text.data() + length, bare, end);
   const char* begin = digits.data() + (digits[0] == '+' ? 1 : 0);
-  const char* end = digits.data() + length;
-  const auto [stopped, problem] = std::from_chars(begin, end, number);
+  const auto [stopped, problem] = std::from_chars(begin, static_cast<const char*>(end), number);
   if (problem != std::errc{} || stopped != end || !std::isfinite(number)) return false;
-  text.remove_prefix(length);
+  text.remove_prefix(length + bare);
   return true;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,15 +20,17 @@ struct MotionText {
   [[noreturn]] void fail(std::size_t line, const std::string& problem) const;
 };
 
-/// Takes a number from the start of a text: "2.91E-03", "+.5" or, from Fortran, "5.0D-03".
-/// @returns false, with the text unchanged: it starts with no finite number
-[[nodiscard]] bool take_number(std::string_view& text, double& number);
-
 /// How numbers are written.
 struct NumberStyle {
   bool decimal_comma = false;
-  bool glued = false;  ///< a sign may separate them: "2.91E-03-5.62E-04", in columns of Fortran
+  /// By a program in Fortran: a sign may separate them, "2.91E-03-5.62E-04", and an exponent may
+  /// have no letter, ".291-03".
+  bool fortran = false;
 };
+
+/// Takes a number from the start of a text: "2.91E-03", "+.5" or "5.0D-03".
+/// @returns false, with the text unchanged: it starts with no finite number
+[[nodiscard]] bool take_number(std::string_view& text, double& number, NumberStyle style);
 
 /// Adds the numbers of a line to `numbers`.
 /// @returns the first word that is no number; empty: there is none
@@ -41,11 +44,32 @@ struct NumberStyle {
 /// separate the numbers.
 [[nodiscard]] bool has_decimal_commas(const MotionText& text, std::size_t first_line);
 
-/// In capital letters of ASCII.
-[[nodiscard]] std::string in_capitals(std::string_view text);
+/// Columns of a fixed width, as "(8F10.5)" states them.
+struct ValueFormat {
+  std::size_t per_line = 0, width = 0;  ///< 0: not stated
+};
 
-/// Whether a title, in capitals, is that of a record.
-[[nodiscard]] bool states_time_history(std::string_view capitals);
+/// The format that the last parenthesis of a line states.
+[[nodiscard]] ValueFormat stated_format(std::string_view line);
+
+/// Reads `count` values; they may touch if a format is stated. Blank lines have none.
+/// @param line  in: the first; out: behind the last   @throws Error for another number of values
+[[nodiscard]] std::vector<double> read_values(const MotionText& text, std::size_t& line,
+                                              std::size_t count, ValueFormat format);
+
+/// Time step of stamps that are equally spaced within the rounding of their printed digits.
+/// @returns the step [s], and the first stamp that is off; none: all are in place
+struct TimeSteps {
+  double step = 0;
+  std::optional<std::size_t> wrong;
+};
+[[nodiscard]] TimeSteps time_steps(const std::vector<double>& stamps);
+
+/// Whether a title, in small letters, is that of a record.
+[[nodiscard]] bool states_time_history(std::string_view small);
+
+/// The longest start of a text that is a known unit: "CM / SEC2, FILTERED".
+[[nodiscard]] StatedUnit leading_unit(std::string_view text);
 
 /// Reads the unit in the header of an .AT2 file into the heading of its column.
 /// @param end  line after the header   @throws Error if it is not one of acceleration
@@ -62,6 +86,21 @@ void read_at2_unit(const MotionText& text, std::size_t end, MotionColumn& column
 [[nodiscard]] bool has_k_net_header(const MotionText& text);
 /// @throws Error for a damaged header, and for a number of values or a peak beside those stated
 [[nodiscard]] MotionFile read_k_net(const MotionText& text);
+
+/// A record of CSMIP (CDMG) or COSMOS, of any volume: blocks of values of one or more channels.
+[[nodiscard]] bool has_channel_blocks(const MotionText& text);
+/// @throws Error for a damaged header, another number of values, and records without acceleration
+[[nodiscard]] MotionFile read_channel_blocks(const MotionText& text);
+
+/// A record of USGS in its format SMC.
+[[nodiscard]] bool has_smc_header(const MotionText& text);
+/// @throws Error as `read_channel_blocks`, and for stamps that are not equally spaced
+[[nodiscard]] MotionFile read_smc(const MotionText& text);
+
+/// A record of the Central Weather Administration of Taiwan: time, and three components in gal.
+[[nodiscard]] bool has_cwa_header(const MotionText& text);
+/// @throws Error as `read_k_net`
+[[nodiscard]] MotionFile read_cwa(const MotionText& text);
 
 /// A record of the Engineering Strong-Motion database.
 [[nodiscard]] bool has_esm_header(const MotionText& text);

@@ -28,12 +28,14 @@ constexpr Spelling kSpellings[] = {
     {"%g", kPercent},
     {"%ofg", kPercent},
     {"g%", kPercent},
+    {"g/10", {"g/10", UnitKind::Acceleration, 10}},
     {"mg", {"mg (g/1000)", UnitKind::Acceleration, 1000}},
     {"gal", kGal},
     {"gals", kGal},
     {"cm/s2", kGal},
     {"cm/ss", kGal},
     {"cms2", kGal},
+    {"cms/s2", kGal},
     {"mgal", {"mGal", UnitKind::Acceleration, 1e5 * kStandardGravity}},
     {"m/s2", {"m/s²", UnitKind::Acceleration, kStandardGravity}},
     {"m/ss", {"m/s²", UnitKind::Acceleration, kStandardGravity}},
@@ -77,9 +79,8 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
 // "CM / SEC ^ 2", "cm s⁻²" and "cm/sec/sec" are "cm/s2".
 std::string plain(std::string_view text) {
   std::string result;
-  for (const char c : text)
-    if (c != ' ' && c != '\t' && c != '^' && c != '*')
-      result += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (const char c : in_small_letters(text))
+    if (c != ' ' && c != '\t' && c != '^' && c != '*') result += c;
   constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
       {"²", "2"},    {"⁻", "-"},   {"·", ""},        {"seconds", "s"}, {"second", "s"},
       {"sec.", "s"}, {"sec", "s"}, {"squared", "2"}, {".s-2", "/s2"},  {"s-2", "/s2"},

@@ -37,7 +37,7 @@ Field field_of(const MotionText& text, std::string_view key) {
 double number_of_field(const MotionText& text, std::string_view key) {
   Field field = field_of(text, key);
   double number = 0;
-  if (!take_number(field.text, number) || !(number > 0))
+  if (!take_number(field.text, number, {}) || !(number > 0))
     text.fail(field.line,
               fmt::format("'{}', expected a positive number", trimmed(text.lines[field.line])));
   return number;
@@ -60,9 +60,9 @@ double scale_factor(const MotionText& text) {
   Field field = field_of(text, "Scale Factor");
   constexpr std::string_view kGalPer = "(gal)/";
   double gal = 0, counts = 0;
-  if (take_number(field.text, gal) && field.text.starts_with(kGalPer)) {
+  if (take_number(field.text, gal, {}) && field.text.starts_with(kGalPer)) {
     field.text.remove_prefix(kGalPer.size());
-    if (take_number(field.text, counts) && gal > 0 && counts > 0) return gal / counts;
+    if (take_number(field.text, counts, {}) && gal > 0 && counts > 0) return gal / counts;
   }
   text.fail(field.line, fmt::format("'{}', expected a scale factor such as 3920(gal)/6182761",
                                     trimmed(text.lines[field.line])));
@@ -101,9 +101,44 @@ MotionFile read_k_net(const MotionText& text) {
   return {text.file, "K-NET", 1 / rate, {std::move(column)}};
 }
 
+bool has_cwa_header(const MotionText& text) {
+  return find_field(text, "#StationCode:") && find_field(text, "#AmplitudeUnit:") &&
+         find_field(text, "#DataSequence:");
+}
+
+// "#DataSequence: Time U(+); N(+); E(+)"
+MotionFile read_cwa(const MotionText& text) {
+  MotionFile motion{text.file, "CWA", 1 / number_of_field(text, "#SampleRate(Hz):"), {}};
+  motion.has_channels = true;
+  const Field sequence = field_of(text, "#DataSequence:"), unit = field_of(text, "#AmplitudeUnit:");
+  std::string_view names = sequence.text;
+  const StatedUnit stated = leading_unit(unit.text);
+  if (stated.unit == nullptr)
+    text.fail(unit.line, fmt::format("the unit '{}' is unknown, expected gal", stated.unknown));
+  if (!names.starts_with("Time "))
+    text.fail(sequence.line, fmt::format("'{}', expected Time first", names));
+  for (const auto name : cells_of(names.substr(5), ';')) {
+    if (!name.ends_with("(+)"))
+      text.fail(sequence.line, fmt::format("'{}', expected a component such as N(+)", name));
+    motion.columns.push_back({std::string{name.substr(0, name.size() - 3)}, stated, {}});
+  }
+  const std::size_t width = motion.columns.size() + 1;
+  const double rows = number_of_field(text, "#RecordLength(sec):") / motion.time_step;
+  const auto numbers = values_from(text, field_of(text, "#Data:").line + 1,
+                                   std::round(rows) * static_cast<double>(width), "#RecordLength");
+  std::vector<double> stamps;
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    (i % width == 0 ? stamps : motion.columns[i % width - 1].values).push_back(numbers[i]);
+  const auto steps = time_steps(stamps);
+  if (steps.wrong || std::abs(steps.step - motion.time_step) > 1e-3 * motion.time_step)
+    text.fail(field_of(text, "#SampleRate(Hz):").line,
+              "the times of the rows are not those of the sample rate");
+  return motion;
+}
+
 MotionFile read_esm(const MotionText& text) {
   const Field type = field_of(text, "DATA_TYPE:"), unit = field_of(text, "UNITS:");
-  if (type.text != "ACCELERATION" && !type.text.ends_with(" ACCELERATION"))
+  if (!in_small_letters(type.text).ends_with("acceleration"))
     text.fail(type.line, fmt::format("a record of {}, expected ACCELERATION", type.text));
   MotionColumn column{"", {find_unit(unit.text), ""}, {}};
   if (column.stated.unit == nullptr || column.stated.unit->kind != MotionUnit::Kind::Acceleration)

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/test_setup.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/sim/motion_file.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -49,10 +50,24 @@ double time_step_of(const Config& table, const sim::MotionFile& motion) {
   return stated;
 }
 
+// The order of a station's channels says nothing on their directions.
+[[noreturn]] void fail_without_channel(const Config& table, const std::string& key,
+                                       const sim::MotionFile& motion) {
+  std::vector<std::string> channels;
+  for (const auto& column : motion.columns)
+    channels.push_back(fmt::format("{} '{}'", channels.size() + 1, column.heading));
+  table.fail(table.has("file_" + key) ? "file_" + key : "file",
+             fmt::format("{} has {} channels: {}; expected column_{} with the number of one",
+                         motion.file.filename().string(), channels.size(),
+                         fmt::join(channels, ", "), key));
+}
+
 int column_of(const Config& table, const std::string& key, int column,
               const sim::MotionFile& motion) {
   const std::string name = "column_" + key;
-  if (!table.has(name)) return motion.has_one_component() ? 1 : column;
+  if (!table.has(name) && motion.has_one_component()) return 1;
+  if (!table.has(name) && motion.has_channels) fail_without_channel(table, key, motion);
+  if (!table.has(name)) return column;
   if (motion.is_at2())
     table.fail(name, fmt::format("{} has no effect: {} is an .AT2 file, which has one component",
                                  name, motion.file.filename().string()));
@@ -61,19 +76,6 @@ int column_of(const Config& table, const std::string& key, int column,
                                  motion.file.filename().string()));
   return static_cast<int>(table.integer_in(name, 1, 100, column));
 }
-
-/// Files of a motion, each read once: the components often share one.
-class MotionFiles {
- public:
-  const sim::MotionFile& at(const std::filesystem::path& file) {
-    const auto known = files_.find(file);
-    if (known != files_.end()) return known->second;
-    return files_.emplace(file, sim::read_motion_file(file)).first->second;
-  }
-
- private:
-  std::map<std::filesystem::path, sim::MotionFile> files_;
-};
 
 Component read_component(const Config& table, const std::string& key, int column,
                          MotionFiles& files) {
@@ -87,8 +89,12 @@ Component read_component(const Config& table, const std::string& key, int column
   Component component{time_step_of(table, motion), sim::acceleration_in_g(motion, used), {}};
   const auto& read = motion.columns[static_cast<std::size_t>(used - 1)];
   const auto& unit = read.stated.unit == nullptr ? sim::kUnitG : *read.stated.unit;
-  component.source = {file, read.heading, std::string{unit.name}, unit.per_g,
-                      motion.has_one_component() && !table.has("column_" + key)};
+  component.source = {file,
+                      read.heading,
+                      std::string{unit.name},
+                      unit.per_g,
+                      motion.has_one_component() && !table.has("column_" + key),
+                      read.values.size()};
   return component;
 }
 
@@ -103,11 +109,29 @@ void check_files(const Config& table) {
 
 // The components must come from one record.
 void check_alike(const Config& table, const Component& one, const Component& other) {
-  if (one.values.size() != other.values.size() || std::abs(one.time_step - other.time_step) > 1e-9)
-    table.fail("file", "the components differ in length or time step");
+  if (one.values.size() == other.values.size() && std::abs(one.time_step - other.time_step) <= 1e-9)
+    return;
+  table.fail("file",
+             fmt::format("the components differ in length or time step: {} samples of {:g} "
+                         "s, and {} of {:g} s",
+                         one.values.size(), one.time_step, other.values.size(), other.time_step));
+}
+
+// Channels of one recorder begin together, but may end a few samples apart.
+void extend(Component& one, Component& other, MotionFiles& files) {
+  if (one.source.file != other.source.file || !files.at(one.source.file).has_channels) return;
+  const std::size_t longest = std::max(one.values.size(), other.values.size());
+  one.values.resize(longest);
+  other.values.resize(longest);
 }
 
 }  // namespace
+
+const sim::MotionFile& MotionFiles::at(const std::filesystem::path& file) {
+  const auto known = files_.find(file);
+  if (known != files_.end()) return known->second;
+  return files_.emplace(file, sim::read_motion_file(file)).first->second;
+}
 
 sim::IsolatedPlant read_plant(const Config& table) {
   sim::IsolatedPlant plant = sim::example_plant();
@@ -134,10 +158,20 @@ sim::IsolatedPlant read_plant(const Config& table) {
 }
 
 sim::GroundMotion read_motion(const Config& table) {
-  check_files(table);
   MotionFiles files;
-  const auto longitudinal = read_component(table, "long", 1, files);
-  const auto lateral = read_component(table, "lat", 2, files);
+  return read_motion(table, files);
+}
+
+sim::GroundMotion read_motion(const Config& table, MotionFiles& files) {
+  check_files(table);
+  auto longitudinal = read_component(table, "long", 1, files);
+  auto lateral = read_component(table, "lat", 2, files);
+  std::optional<Component> vertical;
+  if (table.has("column_vert") || table.has("file_vert"))
+    vertical = read_component(table, "vert", 3, files);
+  extend(longitudinal, lateral, files);
+  if (vertical) extend(longitudinal, *vertical, files);
+  extend(longitudinal, lateral, files);
   check_alike(table, longitudinal, lateral);
   const double scale = table.number_in("scale", 0, 100, 1.0) * kStandardGravity;
   static_cast<void>(table.text("name", ""));
@@ -146,11 +180,10 @@ sim::GroundMotion read_motion(const Config& table) {
   motion.sources = {longitudinal.source, lateral.source};
   for (const double value : longitudinal.values) motion.long_acceleration.push_back(scale * value);
   for (const double value : lateral.values) motion.lat_acceleration.push_back(scale * value);
-  if (table.has("column_vert") || table.has("file_vert")) {
-    const auto vertical = read_component(table, "vert", 3, files);
-    check_alike(table, longitudinal, vertical);
-    motion.sources.push_back(vertical.source);
-    for (const double value : vertical.values) motion.vert_acceleration.push_back(scale * value);
+  if (vertical) {
+    check_alike(table, longitudinal, *vertical);
+    motion.sources.push_back(vertical->source);
+    for (const double value : vertical->values) motion.vert_acceleration.push_back(scale * value);
   }
   table.reject_unknown_keys();
   return motion;

@@ -17,6 +17,9 @@ namespace rths {
 /// order mark. They point into the text.
 [[nodiscard]] std::vector<std::string_view> lines_of(std::string_view text);
 
+/// With the capital letters of ASCII made small.
+[[nodiscard]] std::string in_small_letters(std::string_view text);
+
 /// Without blanks and tabs at both ends.
 [[nodiscard]] std::string_view trimmed(std::string_view text);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <rths/launch/experiment.hpp>
+#include <rths/sim/motion_file.hpp>
 
 namespace rths::launch {
 
@@ -64,9 +65,16 @@ void check_assembly(const Experiment& experiment);
 /// @returns what is unusual, but possible   @throws Error with the likely unit   @setup
 [[nodiscard]] std::vector<std::string> check_plausible(const Experiment& experiment);
 
-/// Reads a file of ground motion as the `file` of [motion] in a test along one axis.
-/// @returns what is unusual, but possible   @throws Error as such a test   @setup
-[[nodiscard]] std::vector<std::string> check_motion_file(const std::filesystem::path& file);
+/// A file of ground motion, and remarks on unusual sizes.
+struct CheckedMotion {
+  sim::MotionFile file;
+  std::vector<std::string> remarks;
+};
+
+/// Reads a file of ground motion once, as the `file` of [motion] in a test along one axis; each
+/// channel of a station's file.
+/// @throws Error as such a test   @setup
+[[nodiscard]] CheckedMotion check_motion_file(const std::filesystem::path& file);
 
 /// Time step and peaks of the tested ground motion, a line.   @setup
 [[nodiscard]] std::string describe_motion(const Experiment& experiment);

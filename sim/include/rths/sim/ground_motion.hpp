@@ -17,6 +17,7 @@ struct MotionSource {
   std::string unit;
   double per_g = 1;             ///< factor from g to this unit, from which it was converted
   bool has_one_column = false;  ///< no other one in the file
+  std::size_t samples = 0;      ///< in the file
 };
 
 /// Recorded ground acceleration, equally spaced in time.

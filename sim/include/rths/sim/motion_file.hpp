@@ -45,10 +45,11 @@ struct MotionColumn {
 /// A file of one or more components, equally spaced in time.
 struct MotionFile {
   std::filesystem::path file;
-  std::string format;                 ///< ".AT2", "K-NET", "ESM" or "columns"
+  std::string format;                 ///< ".AT2", "K-NET", "COSMOS", …, or "columns"
   double time_step = 0;               ///< [s]; 0: the file states none
   std::vector<MotionColumn> columns;  ///< without that of time; at least one
   std::size_t first_line = 1;         ///< of the values, from 1
+  bool has_channels = false;          ///< columns are the channels of a station, in any order
 
   [[nodiscard]] bool is_at2() const { return format == ".AT2"; }
   /// A single component, which may drive several axes.
@@ -57,7 +58,8 @@ struct MotionFile {
 
 /// Reads a file of ground motion; its content decides on the format:
 /// - PEER .AT2: a header with NPTS and DT in any usual spelling, then values;
-/// - K-NET and ESM: acceleration in gal below a header of the network;
+/// - K-NET, ESM and CWA: acceleration below a header of the network;
+/// - CSMIP (CDMG), COSMOS and SMC: the acceleration of one channel or of several;
 /// - columns separated by blanks, tabs, commas or semicolons, below any headings; the first one is
 ///   time, equally spaced. One column, or columns of which the first is no time, state no step.
 /// @throws Error with file:line for anything else, for records of velocity or displacement, and for

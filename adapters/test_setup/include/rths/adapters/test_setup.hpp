@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +14,7 @@
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/motion_file.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::adapters {
@@ -68,8 +71,21 @@ struct TestSetup {
 
 /// Reads a [plant] table. @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] sim::IsolatedPlant read_plant(const Config& table);
-/// Reads a [motion] table: .AT2 or columns, scaled.
+/// Files of ground motion, each read once.
+class MotionFiles {
+ public:
+  /// @throws Error as `sim::read_motion_file`
+  const sim::MotionFile& at(const std::filesystem::path& file);
+
+ private:
+  std::map<std::filesystem::path, sim::MotionFile> files_;
+};
+
+/// Reads a [motion] table: a file of any format, scaled. Zeros follow the shorter channels of a
+/// station's file.
 /// @throws Error with the place of the first wrong value or key without an effect   @setup
+[[nodiscard]] sim::GroundMotion read_motion(const Config& table, MotionFiles& files);
+/// The same, with files that are not needed again.
 [[nodiscard]] sim::GroundMotion read_motion(const Config& table);
 
 /// Time step of purely numerical results [s].
