@@ -34,12 +34,68 @@ bool is_fraction(std::string_view cell) {
   return is_whole(cell.substr(0, exponent)) && is_whole(power);
 }
 
+// Words between blanks, semicolons and quotation marks; a comma alone separates them.
+std::vector<std::string_view> words_of(std::string_view line) {
+  constexpr std::string_view kBetween = " \t;\"";
+  std::vector<std::string_view> words;
+  while (true) {
+    line.remove_prefix(std::min(line.find_first_not_of(kBetween), line.size()));
+    if (line.empty()) return words;
+    const auto word = line.substr(0, line.find_first_of(kBetween));
+    if (word != ",") words.push_back(word);
+    line.remove_prefix(word.size());
+  }
+}
+
+// The only comma of "-1,5e3"; null: it is no such number.
+const char* decimal_comma_of(std::string_view word) {
+  const auto comma = word.find(',');
+  if (comma == word.npos || comma + 1 == word.size()) return nullptr;
+  std::string_view whole = word.substr(0, comma);
+  if (whole.starts_with('-') || whole.starts_with('+')) whole.remove_prefix(1);
+  return (whole.empty() || is_whole(whole)) && is_fraction(word.substr(comma + 1))
+             ? word.data() + comma
+             : nullptr;
+}
+
+constexpr std::string_view kOfNumbers = "0123456789+-.,eE";
+
+/// A line as a row of numbers with decimal commas.
+struct CommaRow {
+  std::vector<const char*> commas;
+  bool is_contrary = false;  ///< its numbers have points, or commas separate them
+};
+
+CommaRow comma_row(std::string_view line) {
+  const auto words = words_of(line);
+  CommaRow row;
+  std::size_t numbers = 0;
+  for (const auto word : words) {
+    if (const char* comma = decimal_comma_of(word)) {
+      row.commas.push_back(comma);
+    } else if (number_of(word)) {
+      row.is_contrary = row.is_contrary || word.find('.') != word.npos;
+    } else if (word.find(',') != word.npos && word.find_first_not_of(kOfNumbers) == word.npos) {
+      row.is_contrary = true;
+    } else {
+      continue;
+    }
+    ++numbers;
+  }
+  const bool is_heading = 2 * numbers < words.size() || (numbers < 2 && words.size() > 1);
+  if (is_heading || line.starts_with('#') || line.starts_with('%')) return {};
+  row.is_contrary = row.is_contrary || (words.size() == 1 && !row.commas.empty());
+  return row;
+}
+
 }  // namespace
 
 std::string read_text(const std::filesystem::path& file) {
   std::string text = read_file(file, kMostTextBytes);
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))
     throw Error{fmt::format("{}: found text in UTF-16, expected UTF-8", file.string())};
+  if (text.find('\0') != text.npos)
+    throw Error{fmt::format("{}: found bytes that are zero, expected text", file.string())};
   return text;
 }
 
@@ -95,6 +151,20 @@ std::optional<double> number_of(std::string_view text) {
   const auto [stopped, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (problem != std::errc{} || stopped != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+std::string with_decimal_points(std::string text) {
+  bool has_commas = false;
+  std::vector<std::size_t> commas;
+  for (const auto line : lines_of(text)) {
+    const auto row = comma_row(line);
+    if (row.is_contrary) return text;
+    has_commas = has_commas || !row.commas.empty();
+    for (const char* comma : row.commas)
+      commas.push_back(static_cast<std::size_t>(comma - text.data()));
+  }
+  for (const std::size_t comma : commas) text[comma] = '.';
+  return text;
 }
 
 bool are_halves(const std::vector<std::string_view>& row) {

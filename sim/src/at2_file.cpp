@@ -240,12 +240,10 @@ MotionFile read_at2(const MotionText& text) {
   const std::size_t begin = first_value(text, header.end + 1);
   read_at2_unit(text, begin, column);
   reject_other_quantity(text, column);
-  NumberStyle style = kFortran;
-  style.decimal_comma = has_decimal_commas(text, begin);
   std::size_t rows = 0;
   for (std::size_t i = begin; i < text.lines.size(); ++i) {
     const std::size_t before = column.values.size();
-    if (const auto word = add_numbers(text.lines[i], style, column.values); !word.empty())
+    if (const auto word = add_numbers(text.lines[i], kFortran, column.values); !word.empty())
       text.fail(i, fmt::format("'{}' is not a number", word.substr(0, 40)));
     if (column.values.size() > before) ++rows;
   }

@@ -14,7 +14,6 @@ namespace rths::sim {
 namespace {
 
 constexpr double kMilli = 1e-3, kMicro = 1e-6;
-constexpr NumberStyle kPoints{}, kCommas{.decimal_comma = true};
 
 bool is_empty(std::string_view line) { return line.find_first_not_of(" \t\",;") == line.npos; }
 
@@ -23,16 +22,16 @@ bool is_comment(std::string_view line) {
   return !line.empty() && (line.front() == '#' || line.front() == '%');
 }
 
-std::vector<double> numbers_of(std::string_view line, NumberStyle style) {
+std::vector<double> numbers_of(std::string_view line) {
   std::vector<double> numbers;
-  static_cast<void>(add_numbers(line, style, numbers));
+  static_cast<void>(add_numbers(line, {}, numbers));
   return numbers;
 }
 
 bool starts_with_number(std::string_view line) {
   line = line.substr(std::min(line.find_first_not_of(" \t\""), line.size()));
   double number = 0;
-  return take_number(line, number, kPoints) &&
+  return take_number(line, number, {}) &&
          (line.empty() || std::string_view{" \t,;\""}.find(line.front()) != line.npos);
 }
 
@@ -62,22 +61,21 @@ class ColumnReader {
   void find_first_row() {
     for (first_ = 0; first_ < text_.lines.size(); ++first_) {
       if (is_comment(text_.lines[first_]) || !starts_with_number(text_.lines[first_])) continue;
-      if (!is_row(text_.lines[first_], kPoints) && !is_row(text_.lines[first_], kCommas)) {
+      if (!is_row(text_.lines[first_], {})) {
         if (is_damaged_row(first_)) break;
         continue;
       }
       const std::size_t next = line_after(first_);
       if (next == text_.lines.size() || starts_with_number(text_.lines[next])) break;
     }
-    style_ = has_decimal_commas(text_, first_) ? kCommas : kPoints;
   }
 
   // A row with a word that is no number, not a heading such as "2 components".
   [[nodiscard]] bool is_damaged_row(std::size_t line) const {
     const std::size_t next = line_after(line);
-    if (next == text_.lines.size() || !is_row(text_.lines[next], kPoints)) return false;
-    const auto width = numbers_of(text_.lines[next], kPoints).size();
-    const auto numbers = numbers_of(text_.lines[line], kPoints).size();
+    if (next == text_.lines.size() || !is_row(text_.lines[next], {})) return false;
+    const auto width = numbers_of(text_.lines[next]).size();
+    const auto numbers = numbers_of(text_.lines[line]).size();
     std::string words{text_.lines[line]};
     std::replace_if(
         words.begin(), words.end(), [](char c) { return c == ',' || c == ';' || c == '\t'; }, ' ');
@@ -96,7 +94,7 @@ class ColumnReader {
       if (is_comment(line) || is_empty(line)) continue;
       std::vector<double> row;
       check_commas(line, i);
-      if (const auto word = add_numbers(line, style_, row); !word.empty())
+      if (const auto word = add_numbers(line, {}, row); !word.empty())
         text_.fail(i, fmt::format("'{}' is not a number", word.substr(0, 40)));
       if (rows_.empty()) width_ = row.size();
       if (row.size() != width_)
@@ -110,21 +108,19 @@ class ColumnReader {
   // A row above a line of text would be lost as a heading.
   void check_lines_above() const {
     for (std::size_t i = 0; i < first_; ++i)
-      if (width_ > 1 && is_row(text_.lines[i], style_) &&
-          numbers_of(text_.lines[i], style_).size() == width_)
+      if (width_ > 1 && is_row(text_.lines[i], {}) && numbers_of(text_.lines[i]).size() == width_)
         text_.fail(line_after(i), fmt::format("'{}' below a row of numbers, expected another row",
                                               text_.lines[line_after(i)].substr(0, 60)));
   }
 
   // Of "0,005,1,5", no reader knows whether it has two columns or four.
   void check_commas(std::string_view line, std::size_t number) const {
-    const bool has_commas_only = line.find_first_of(".;\t") == line.npos && !style_.decimal_comma;
+    const bool has_commas_only = line.find_first_of(".;\t") == line.npos;
     if (has_commas_only && line.find(',') != line.npos && are_halves(cells_of(line, ',')))
       text_.fail(number,
                  fmt::format("'{}' looks like numbers with decimal commas, expected points, or "
                              "columns separated by semicolons",
                              line.substr(0, 60)));
-    if (style_.decimal_comma) return;
     for (const char separator : {',', ';'}) {
       auto cells = cells_of(line, separator);
       if (cells.size() < 2) continue;
@@ -286,7 +282,6 @@ class ColumnReader {
   }
 
   const MotionText& text_;
-  NumberStyle style_;
   std::size_t first_ = 0, width_ = 0;  // line of the first row; its columns
   std::size_t names_ = 0;              // line of the names; `first_`: none
   std::vector<std::vector<double>> rows_;

@@ -49,18 +49,17 @@ MotionFile read_motion_file(const std::filesystem::path& file) {
 }
 
 MotionFile read_motion_text(const std::filesystem::path& file, std::string_view content) {
-  if (content.find('\0') != content.npos)
-    throw Error{fmt::format("{}: found bytes that are zero, expected text", file.string())};
-  const MotionText text{file, lines_of(without_end_mark(content))};
+  const std::string points = with_decimal_points(std::string{without_end_mark(content)});
+  const MotionText text{file, lines_of(points)};
   const Format* format = format_of(text);
   return format == nullptr ? read_columns(text) : format->read(text);
 }
 
 bool looks_like_motion(std::string_view text) {
-  const MotionText lines{{}, lines_of(text)};
-  const auto rows = std::count_if(lines.lines.begin(), lines.lines.end(), [](auto line) {
-    return is_row(line, {}) || is_row(line, {.decimal_comma = true});
-  });
+  const std::string points = with_decimal_points(std::string{text});
+  const MotionText lines{{}, lines_of(points)};
+  const auto rows = std::count_if(lines.lines.begin(), lines.lines.end(),
+                                  [](auto line) { return is_row(line, {}); });
   const auto filled = std::count_if(lines.lines.begin(), lines.lines.end(),
                                     [](auto line) { return !trimmed(line).empty(); });
   return 2 * rows > filled || (rows > 0 && format_of(lines) != nullptr);

@@ -56,31 +56,18 @@ std::size_t length_of_number(std::string_view text) {
   return after > power ? after : end;
 }
 
-bool is_between(char c, NumberStyle style) {
-  return std::isspace(static_cast<unsigned char>(c)) != 0 || c == ';' || c == '"' ||
-         (c == ',' && !style.decimal_comma);
+bool is_between(char c) {
+  return std::isspace(static_cast<unsigned char>(c)) != 0 || c == ';' || c == '"' || c == ',';
 }
 
 // Numbers of a word, such as the two of "2.91E-03-5.62E-04".
 bool add_word(std::string_view word, NumberStyle style, std::vector<double>& numbers) {
-  std::string with_points;
-  if (style.decimal_comma) {
-    with_points = word;
-    std::replace(with_points.begin(), with_points.end(), ',', '.');
-    word = with_points;
-  }
   double number = 0;
   while (take_number(word, number, style)) {
     numbers.push_back(number);
     if (word.empty()) return true;
     if (!style.fortran || !is_sign(word.front())) return false;
   }
-  return false;
-}
-
-bool has_comma_between_digits(std::string_view line) {
-  for (std::size_t i = 1; i + 1 < line.size(); ++i)
-    if (line[i] == ',' && is_digit(line[i - 1]) && is_digit(line[i + 1])) return true;
   return false;
 }
 
@@ -127,15 +114,14 @@ bool take_number(std::string_view& text, double& number, NumberStyle style) {
 
 std::string_view add_numbers(std::string_view line, NumberStyle style,
                              std::vector<double>& numbers) {
-  const auto separates = [&](char c) { return is_between(c, style); };
   const char* at = line.data();
   const char* end = at + line.size();
   while (true) {
-    at = std::find_if_not(at, end, separates);
+    at = std::find_if_not(at, end, is_between);
     if (at == end) return {};
-    const char* after = std::find_if(at, end, separates);
+    const char* after = std::find_if(at, end, is_between);
     const std::string_view word{at, static_cast<std::size_t>(after - at)};
-    if (!(style.decimal_comma && word == ",") && !add_word(word, style, numbers)) return word;
+    if (!add_word(word, style, numbers)) return word;
     at = after;
   }
 }
@@ -143,28 +129,6 @@ std::string_view add_numbers(std::string_view line, NumberStyle style,
 bool is_row(std::string_view line, NumberStyle style) {
   std::vector<double> numbers;
   return add_numbers(line, style, numbers).empty() && !numbers.empty();
-}
-
-bool has_decimal_commas(const MotionText& text, std::size_t first_line) {
-  bool has_comma = false;
-  for (std::size_t i = first_line; i < text.lines.size(); ++i) {
-    const auto line = text.lines[i];
-    if (line.empty() || line.front() == '#' || line.front() == '%') continue;
-    if (line.find('.') != std::string_view::npos) return false;
-    if (!has_comma_between_digits(line)) continue;
-    has_comma = true;
-    // A word with two commas holds several numbers.
-    bool is_separated = false;
-    std::size_t commas = 0;
-    for (const char c : line) {
-      const bool is_blank = c == ' ' || c == '\t' || c == ';' || c == '"';
-      is_separated = is_separated || is_blank;
-      commas = is_blank ? 0 : commas + (c == ',' ? 1 : 0);
-      if (commas > 1) return false;
-    }
-    if (!is_separated) return false;
-  }
-  return has_comma;
 }
 
 }  // namespace rths::sim

@@ -22,7 +22,6 @@ struct MotionText {
 
 /// How numbers are written.
 struct NumberStyle {
-  bool decimal_comma = false;
   /// By a program in Fortran: a sign may separate them, "2.91E-03-5.62E-04", and an exponent may
   /// have no letter, ".291-03".
   bool fortran = false;
@@ -39,10 +38,6 @@ struct NumberStyle {
 
 /// Whether all words of a line are numbers, and there is one.
 [[nodiscard]] bool is_row(std::string_view line, NumberStyle style);
-
-/// Whether commas of these lines are decimal: there is no point, and blanks, tabs or semicolons
-/// separate the numbers.
-[[nodiscard]] bool has_decimal_commas(const MotionText& text, std::size_t first_line);
 
 /// Columns of a fixed width, as "(8F10.5)" states them.
 struct ValueFormat {

@@ -10,7 +10,7 @@
 namespace rths {
 
 /// Content of a text file, at most `kMostTextBytes`.
-/// @throws Error as `read_file`, and for UTF-16   @setup
+/// @throws Error as `read_file`, for UTF-16 and for bytes that are zero   @setup
 [[nodiscard]] std::string read_text(const std::filesystem::path& file);
 
 /// Lines of a text, which end with LF, CR LF or CR alone, without these ends and without a byte
@@ -29,6 +29,10 @@ namespace rths {
 
 /// A number that is the whole text, in any locale; it may begin with '+'.
 [[nodiscard]] std::optional<double> number_of(std::string_view text);
+
+/// The text with points in the numbers of its rows, if their commas are decimal: no number of a row
+/// has a point, and blanks, tabs, semicolons or quotation marks separate the numbers.
+[[nodiscard]] std::string with_decimal_points(std::string text);
 
 /// True for "0,005,1,5" split at its commas: pairs of whole numbers; at least one second number has
 /// a leading zero, as only a fraction does.
