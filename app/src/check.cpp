@@ -16,20 +16,20 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/core/message.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/plugin/conformance.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/recording/table.hpp>
 #include <rths/replicated/scenario.hpp>
 #include <rths/report/judgement.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/machine/platen_machine.hpp>
-#include <rths/sim/motion_file.hpp>
 #include <rths/verdict/plan.hpp>
 
+#include "check_data.hpp"
 #include "commands.hpp"
 #include "run_folder.hpp"
 
@@ -82,6 +82,12 @@ int check_case(const std::string& file) {
   diagnosis::check_model(c);
   fmt::print("{}: case '{}', {} records, model of kind '{}'\n", file, c.name, c.records.size(),
              c.model.kind);
+  for (const auto& record : c.records) {
+    fmt::print("  '{}': {}, {} samples, interval {:.5g} s\n", printable(record.name),
+               diagnosis::name_of(record.use), record.samples(), record.time_step);
+    for (const auto& channel : record.channels)
+      fmt::print("    {} [{}]: {}\n", channel.role, channel.unit, range_of(channel.values));
+  }
   return kOk;
 }
 
@@ -199,35 +205,6 @@ int check_toml(const std::string& file) {
       "(constants)"};
 }
 
-std::string describe_column(const sim::MotionFile& motion, int column) {
-  const auto& of = motion.columns[static_cast<std::size_t>(column - 1)];
-  const bool is_acceleration =
-      of.stated.unknown.empty() &&
-      (of.stated.unit == nullptr || of.stated.unit->kind == sim::MotionUnit::Kind::Acceleration);
-  std::string text = motion.has_one_component() ? "" : fmt::format(" of column {}", column);
-  if (of.values.size() != motion.columns[0].values.size())
-    text += fmt::format(" with {} samples", of.values.size());
-  if (!of.heading.empty()) text += fmt::format(" '{}'", printable(of.heading.substr(0, 60)));
-  if (!is_acceleration) return "no acceleration" + text;
-  double peak = 0;
-  for (const double value : sim::acceleration_in_g(motion, column))
-    peak = std::max(peak, std::abs(value));
-  const auto unit =
-      of.stated.unit == nullptr ? "no unit, read as g" : fmt::format("in {}", of.stated.unit->name);
-  return fmt::format("{:.4g} g{} ({})", peak, text, unit);
-}
-
-int check_motion(const std::string& file) {
-  const auto [motion, remarks] = launch::check_motion_file(file);
-  std::string text = fmt::format("{}: ground motion ({}), {} samples, interval {:g} s, peak ", file,
-                                 motion.format, motion.columns[0].values.size(), motion.time_step);
-  for (std::size_t i = 0; i < motion.columns.size(); ++i)
-    text += (i == 0 ? "" : ", ") + describe_column(motion, static_cast<int>(i) + 1);
-  fmt::print("{}\n", text);
-  for (const auto& remark : remarks) write_message(fmt::format("rths: {}: {}\n", file, remark));
-  return kOk;
-}
-
 // The first line that is not blank, and if there is one, not a comment; it distinguishes the text
 // formats.
 std::string first_line(const std::string& content) {
@@ -256,14 +233,15 @@ int check(const CheckArguments& arguments) {
   check_is_file(file);
   if (plugin::is_library(file) || std::filesystem::path{file}.extension() == ".py")
     return check_plugin(file, arguments.config);
+  if (recording::Table::is_format_of(file)) return check_table(file);
   if (recording::is_hdf5(file)) return check_recording(file);
   const std::string head = read_file(file, kMostTextBytes);
   const std::string line = first_line(head);
   if (line.empty()) throw Error{file + ": is empty"};
-  if (sim::looks_like_motion(head)) return check_motion(file);
+  if (sim::looks_like_motion(head)) return check_columns(file);
   if (looks_like_toml(line) || (line[0] == '#' && head.find("\n[") != std::string::npos))
     return check_toml(file);
-  return check_motion(file);
+  return check_columns(file);
 }
 
 }  // namespace rths::app

@@ -82,8 +82,10 @@ CommaRow comma_row(std::string_view line) {
     }
     ++numbers;
   }
-  const bool is_heading = 2 * numbers < words.size() || (numbers < 2 && words.size() > 1);
-  if (is_heading || line.starts_with('#') || line.starts_with('%')) return {};
+  const bool is_half =
+      2 * numbers > words.size() || (2 * numbers == words.size() && !row.commas.empty());
+  const bool is_row = is_half && (numbers > 1 || words.size() == 1);
+  if (!is_row || line.starts_with('#') || line.starts_with('%')) return {};
   row.is_contrary = row.is_contrary || (words.size() == 1 && !row.commas.empty());
   return row;
 }

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/recording/table.hpp>
 
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <string_view>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -29,6 +34,15 @@ Table Table::load(const std::filesystem::path& file) {
   return table;
 }
 
+bool Table::is_format_of(const std::filesystem::path& file) {
+  if (is_hdf5(file)) return is_foreign_hdf5(file);
+  if (is_mat(file)) return true;
+  std::array<char, 256> head{};
+  std::ifstream stream{file, std::ios::binary};
+  stream.read(head.data(), head.size());
+  return is_lvm({head.data(), static_cast<std::size_t>(stream.gcount())});
+}
+
 const std::vector<double>& Table::column(const std::string& name) const {
   const Column& column = found(name);
   if (!column.trouble.empty()) throw Error{column.trouble};
@@ -51,6 +65,29 @@ std::string hint_for(const std::string& name, std::vector<std::string> known) {
 
 }  // namespace
 
+namespace {
+
+// Parts of a name: "rec.Y(1).Data" has three.
+std::vector<std::string_view> parts_of(std::string_view name) {
+  std::vector<std::string_view> parts;
+  while (true) {
+    const auto dot = name.find('.');
+    parts.push_back(name.substr(0, dot));
+    if (dot == name.npos) return parts;
+    name.remove_prefix(dot + 1);
+  }
+}
+
+// MATLAB reads "rec(1).Y" and "rec.Y" alike if rec has one element.
+bool is_same(std::string_view asked, std::string_view known) {
+  const auto a = parts_of(asked), b = parts_of(known);
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](auto one, auto other) {
+    return one == other || one == std::string{other} + "(1)";
+  });
+}
+
+}  // namespace
+
 const Table::Column& Table::found(const std::string& name) const {
   if (name.size() > 1 && name[0] == '#') {
     const auto position = std::strtoul(name.c_str() + 1, nullptr, 10);
@@ -60,9 +97,11 @@ const Table::Column& Table::found(const std::string& name) const {
   }
   std::vector<std::string> known;
   for (const auto& column : columns_) {
-    if (column.name == name) return column;
+    if (column.name == name || column.slice == name) return column;
     known.push_back(column.name);
   }
+  for (const auto& column : columns_)
+    if (is_same(name, column.name)) return column;
   throw Error{
       fmt::format("{}: there is no column '{}'{}", file_, name, hint_for(name, std::move(known)))};
 }

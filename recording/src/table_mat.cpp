@@ -2,8 +2,11 @@
 #include <array>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <memory>
+#include <numeric>
 
+#include <fmt/format.h>
 #include <matio.h>
 
 #include <rths/core/error.hpp>
@@ -14,7 +17,7 @@
 namespace rths::recording {
 namespace {
 
-constexpr int kDeepest = 4;  // nested structures
+constexpr int kDeepest = 6;  // nested structures and cells
 
 struct CloseFile {
   void operator()(mat_t* file) const { Mat_Close(file); }
@@ -70,20 +73,41 @@ std::vector<double> numbers_of(const matvar_t& variable) {
   return values;
 }
 
+std::size_t elements_of(const matvar_t& variable) {
+  return std::accumulate(variable.dims, variable.dims + variable.rank, std::size_t{1},
+                         std::multiplies<>{});
+}
+
+void add_variable(const std::string& name, matvar_t& variable, int depth, Columns& columns);
+
+// Elements of an array of structures have an index, as in MATLAB: rec.Y(2).Data.
+void add_structures(const std::string& name, matvar_t& variable, int depth, Columns& columns) {
+  const std::size_t fields = Mat_VarGetNumberOfFields(&variable), count = elements_of(variable);
+  const char* const* names = Mat_VarGetStructFieldnames(&variable);
+  for (std::size_t element = 0; element < count; ++element)
+    for (std::size_t i = 0; i < fields; ++i)
+      if (matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, element))
+        add_variable(fmt::format("{}{}.{}", name, count > 1 ? fmt::format("({})", element + 1) : "",
+                                 names[i]),
+                     *field, depth + 1, columns);
+}
+
+void add_cells(const std::string& name, matvar_t& variable, int depth, Columns& columns) {
+  for (std::size_t i = 0; i < elements_of(variable); ++i)
+    if (matvar_t* cell = Mat_VarGetCell(&variable, static_cast<int>(i)))
+      add_variable(fmt::format("{}{{{}}}", name, i + 1), *cell, depth + 1, columns);
+}
+
 void add_variable(const std::string& name, matvar_t& variable, int depth, Columns& columns) {
-  if (variable.class_type == MAT_C_STRUCT && depth < kDeepest) {
-    const unsigned fields = Mat_VarGetNumberOfFields(&variable);
-    const char* const* names = Mat_VarGetStructFieldnames(&variable);
-    for (unsigned i = 0; i < fields; ++i)
-      if (matvar_t* field = Mat_VarGetStructFieldByIndex(&variable, i, 0))
-        add_variable(name + "." + names[i], *field, depth + 1, columns);
-    return;
-  }
+  if (variable.class_type == MAT_C_STRUCT && depth < kDeepest)
+    return add_structures(name, variable, depth, columns);
+  if (variable.class_type == MAT_C_CELL && depth < kDeepest)
+    return add_cells(name, variable, depth, columns);
   const auto values = numbers_of(variable);
-  if (values.empty() || variable.rank != 2) return;
-  // A single row is a column.
-  const std::size_t rows = variable.dims[0] == 1 ? variable.dims[1] : variable.dims[0];
-  add_array(columns, name, rows, values);
+  std::vector<std::size_t> sizes(variable.dims, variable.dims + variable.rank);
+  std::erase(sizes, std::size_t{1});
+  if (values.empty() || sizes.size() > 2) return;
+  add_matrix(columns, name, sizes.empty() ? 1 : sizes[0], values);
 }
 
 }  // namespace

@@ -121,11 +121,12 @@ class TextReader {
     const auto last =
         std::find_if(first.rbegin(), first.rend(), [](auto cell) { return !cell.empty(); });
     auto fewest = static_cast<std::size_t>(first.rend() - last);
-    std::vector<std::string_view> names;
+    std::vector<std::string_view> names, units;
     std::size_t line = line_;
     for (auto above = above_.rbegin(); above != above_.rend(); ++above) {
       const auto row = cells_of(above->content, separator_);
       if (row.size() < fewest || row.size() > count || (!names.empty() && has_number(row))) break;
+      if (!names.empty() && units.empty()) units = names;
       names = row;
       fewest = row.size();
       names.resize(count);
@@ -133,6 +134,7 @@ class TextReader {
     }
     for (std::size_t i = 0; i < count; ++i)
       columns.push_back({names.empty() ? std::to_string(i + 1) : std::string{names[i]}, {}, ""});
+    for (std::size_t i = 0; i < units.size(); ++i) columns[i].unit = units[i];
     reject_same_names(line);
   }
 
@@ -182,7 +184,9 @@ class TextReader {
 }  // namespace
 
 Columns read_text_columns(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  std::string text = read_text(file);
+  if (is_lvm(text)) return read_lvm_columns(file, text);
+  text = with_decimal_points(std::move(text));
   TextReader reader{file};
   for (const auto line : lines_of(text)) reader.take(line);
   if (reader.has_names_only())

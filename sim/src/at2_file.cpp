@@ -190,11 +190,19 @@ Header read_header(const MotionText& text) {
   return header;
 }
 
+// Text that begins with a number, such as "2 POLES, .1 HZ".
+bool is_remark(std::string_view line) {
+  const auto words = cells_of(line, ' ');
+  const auto numbers =
+      std::count_if(words.begin(), words.end(), [](auto word) { return is_row(word, kFortran); });
+  return 2 * static_cast<std::size_t>(numbers) <= words.size();
+}
+
 // Headers of seven lines have text below NPTS, too. Values begin with a number.
 std::size_t first_value(const MotionText& text, std::size_t at) {
   for (double number = 0; at < std::min(text.lines.size(), 2 * kMostHeaderLines); ++at) {
     std::string_view line = trimmed(text.lines[at]);
-    if (take_number(line, number, kFortran)) break;
+    if (take_number(line, number, kFortran) && !is_remark(text.lines[at])) break;
   }
   return at;
 }

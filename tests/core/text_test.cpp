@@ -33,5 +33,24 @@ TEST(Text, HasHalvesOfNumbersWithDecimalCommas) {
   EXPECT_FALSE(are_halves({"0", "005", "1"}));
 }
 
+TEST(Text, HasSmallLettersOfAsciiOnly) {
+  EXPECT_EQ(in_small_letters("AZ[\xC3\x84"), "az[\xC3\x84");
+}
+
+TEST(Text, HasDecimalPointsWhereCommasAreDecimal) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"t;u\n0;1,5\n0,1;-2,5e-3\n", "t;u\n0;1.5\n0.1;-2.5e-3\n"},
+      {"0,1\t1,5\n0,2\t,5\n", "0.1\t1.5\n0.2\t.5\n"},
+      {"a, b\n0,1 1,5\n", "a, b\n0.1 1.5\n"},
+      {"\"0,1\",\"1,5\"\n", "\"0.1\",\"1.5\"\n"},
+      {"Rate;1000.0\nday;t;u\nMon;0,1;1,5\n", "Rate;1000.0\nday;t;u\nMon;0.1;1.5\n"},
+      {"13.05.2024 14:37:48;0,1;1,5", "13.05.2024 14:37:48;0.1;1.5"}};
+  for (const auto& [text, expected] : cases) EXPECT_EQ(with_decimal_points(text), expected);
+  // A comma between columns, a point in a number, a single number per line, a comment.
+  for (const std::string text : {"0,1,2\n0,3,4\n", "0,1;1.5\n", "0,5\n0,6\n", "1, 2, 3\n",
+                                 "0.1;1,5\n0,2;1,6\n", "# 0,1;1,5\n", "a,b\n", ""})
+    EXPECT_EQ(with_decimal_points(text), text);
+}
+
 }  // namespace
 }  // namespace rths

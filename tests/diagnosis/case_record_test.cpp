@@ -40,6 +40,33 @@ class RecordTest : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
+// Recordings of others, where they are at hand: 3000 samples at 100 Hz of one test.
+class StrangersTables : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(StrangersTables, AreReadAsTheirCasesNameThem) {
+  const auto tables = test::source_tree() / "../shared/data/strangers/tables";
+  if (!std::filesystem::exists(tables)) GTEST_SKIP() << "SKIPPED: there is no " << tables;
+
+  const Case c = load_case(tables / GetParam());
+
+  ASSERT_EQ(c.records.size(), 2U);
+  EXPECT_EQ(c.records[0].samples(), 1801U);
+  EXPECT_EQ(c.records[1].samples(), 2991U);
+  const Case other = load_case(tables / "point_case");
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(c.records[i].time_step, 0.01, 1e-9);
+    for (const auto& role : {std::pair{"displacement.long", 1e-8}, std::pair{"force.long", 1.0}}) {
+      const auto &values = c.records[i].find(role.first)->values,
+                 &expected = other.records[i].find(role.first)->values;
+      for (std::size_t j = 0; j < values.size(); ++j)
+        ASSERT_NEAR(values[j], expected[j], role.second) << role.first << " " << j;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, StrangersTables,
+                         ::testing::Values("point_case", "dspace_case", "to_file_v5_case"));
+
 TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
   const Case c =
       load(std::string{kFit} + "span_s = [0, 0.02]\n" +

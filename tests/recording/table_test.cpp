@@ -114,17 +114,30 @@ TEST_F(TableTest, ReadsEmptyCellsOfTheFirstRow) {
 TEST_F(TableTest, RefusesUtf16) {
   for (const std::string mark : {"\xFF\xFE", "\xFE\xFF"})
     EXPECT_EQ(error(mark + "t,u\n0,1\n"), "log.csv: found text in UTF-16, expected UTF-8");
+  EXPECT_EQ(error(std::string{"t\0,\0u\0\n\0", 8}),
+            "log.csv: found bytes that are zero, expected text");
 }
 
-TEST_F(TableTest, RefusesDecimalCommas) {
+TEST_F(TableTest, ReadsDecimalCommasBetweenOtherSeparators) {
+  for (const char* text : {"t;u\n0;1,5\n0,1;2,5\n", "t\tu\n0\t1,5\n0,1\t2,5\n",
+                           "t u\r0 1,5\r0,1 2,5\r", "Rate;100.5\nt;u\ns;mm\n0;1,5\n0,1;2,5\n"}) {
+    const Table table = load(text);
+    EXPECT_EQ(table.column("t"), (Values{0, 0.1})) << text;
+    EXPECT_EQ(table.column("u"), (Values{1.5, 2.5})) << text;
+  }
+}
+
+TEST_F(TableTest, KeepsTheUnitsBelowTheNames) {
+  EXPECT_EQ(load("t,u\ns,mm\n0,1\n").columns()[1].unit, "mm");
+  EXPECT_EQ(load("t [s],u [mm]\n0,1\n").columns()[1].unit, "");
+}
+
+TEST_F(TableTest, RefusesAmbiguousDecimalCommas) {
   const auto expect = [&](const std::string& text, int line, const std::string& cell) {
     EXPECT_EQ(error(text), "log.csv:" + std::to_string(line) + ": '" + cell +
                                "' looks like numbers with decimal commas, expected points");
   };
-  expect("t;u\n0,0;1,5\n", 2, "0,0");
-  expect("t\tu\n0,0\t1,5\n", 2, "0,0");
-  expect("0,0;1,5\n0,1;2,5\n", 1, "0,0;1,5");
-  expect("0,0 1,5\n", 1, "0,0 1,5");
+  expect("t;u\n0,0;1.5\n", 2, "0,0");
   expect("t,u\n0,005,1,5\n", 2, "0,005,1,5");
   EXPECT_EQ(load("0,5,1,500\n").columns().size(), 4U);
 }
@@ -163,6 +176,196 @@ TEST_F(TableTest, ReadsMatFilesOfEveryVersion) {
     EXPECT_EQ(table.column("t"), (Values{1, 2, 3})) << version;
     EXPECT_EQ(table.column("u(2)"), (Values{4, 5, 6})) << version;
   }
+}
+
+/// Writes MAT files; variables are freed with it.
+class MatFile {
+ public:
+  MatFile(const std::filesystem::path& file, mat_ft version)
+      : file_{Mat_CreateVer(file.c_str(), nullptr, version)} {}
+  ~MatFile() { Mat_Close(file_); }
+  MatFile(const MatFile&) = delete;
+  MatFile& operator=(const MatFile&) = delete;
+
+  /// @param values  column by column
+  static matvar_t* matrix(const char* name, std::size_t rows, Values values) {
+    std::size_t sizes[] = {rows, values.size() / rows};
+    return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, sizes, values.data(), 0);
+  }
+  static matvar_t* structures(const char* name, std::size_t count,
+                              std::vector<const char*> fields) {
+    std::size_t sizes[] = {1, count};
+    return Mat_VarCreateStruct(name, 2, sizes, fields.data(), static_cast<unsigned>(fields.size()));
+  }
+  void write(matvar_t* variable) {
+    EXPECT_EQ(Mat_VarWrite(file_, variable, MAT_COMPRESSION_NONE), 0);
+    Mat_VarFree(variable);
+  }
+
+ private:
+  mat_t* file_;
+};
+
+// As programs of control systems write them: rec.X.Data, rec.Y(1).Data, rec.Y(2).Data.
+TEST_F(TableTest, ReadsEveryElementOfAnArrayOfStructures) {
+  for (const auto version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
+    const auto file = folder_.path() / "log.mat";
+    {
+      MatFile mat{file, version};
+      matvar_t* rec = MatFile::structures("rec", 1, {"X", "Y"});
+      matvar_t* x = MatFile::structures("X", 1, {"Data"});
+      matvar_t* y = MatFile::structures("Y", 2, {"Data"});
+      Mat_VarSetStructFieldByName(x, "Data", 0, MatFile::matrix("Data", 1, {0, 0.1, 0.2}));
+      Mat_VarSetStructFieldByName(y, "Data", 0, MatFile::matrix("Data", 1, {1, 2, 3}));
+      Mat_VarSetStructFieldByName(y, "Data", 1, MatFile::matrix("Data", 1, {10, 20, 30}));
+      Mat_VarSetStructFieldByName(rec, "X", 0, x);
+      Mat_VarSetStructFieldByName(rec, "Y", 0, y);
+      mat.write(rec);
+    }
+
+    const Table table = Table::load(file);
+
+    EXPECT_EQ(table.columns().size(), 3U) << version;
+    EXPECT_EQ(table.column("rec.X.Data"), (Values{0, 0.1, 0.2})) << version;
+    EXPECT_EQ(table.column("rec(1).X(1).Data"), (Values{0, 0.1, 0.2})) << version;
+    EXPECT_EQ(table.column("rec.Y(1).Data"), (Values{1, 2, 3})) << version;
+    EXPECT_EQ(table.column("rec.Y(2).Data"), (Values{10, 20, 30})) << version;
+    EXPECT_NE(test::error_of([&] {
+                static_cast<void>(table.column("rec.Y.Data"));
+              }).find("there is no column 'rec.Y.Data'"),
+              std::string::npos);
+  }
+}
+
+TEST_F(TableTest, ReadsCellsByIndex) {
+  const auto file = folder_.path() / "log.mat";
+  {
+    MatFile mat{file, MAT_FT_MAT5};
+    std::size_t sizes[] = {1, 2};
+    matvar_t* cells = Mat_VarCreate("signals", MAT_C_CELL, MAT_T_CELL, 2, sizes, nullptr, 0);
+    Mat_VarSetCell(cells, 0, MatFile::matrix("", 3, {1, 2, 3}));
+    Mat_VarSetCell(cells, 1, MatFile::matrix("", 3, {10, 20, 30}));
+    mat.write(cells);
+  }
+
+  EXPECT_EQ(Table::load(file).column("signals{2}"), (Values{10, 20, 30}));
+}
+
+// A recording has more samples than signals.
+TEST_F(TableTest, TakesTheLongerSideOfAMatrixForTime) {
+  const auto file = folder_.path() / "log.mat";
+  {
+    MatFile mat{file, MAT_FT_MAT5};
+    mat.write(MatFile::matrix("ans", 2, {0, 10, 1, 20, 2, 30}));
+    mat.write(MatFile::matrix("u", 3, {0, 1, 2, 10, 20, 30}));
+  }
+
+  const Table table = Table::load(file);
+
+  for (const char* name : {"ans(2)", "ans(2,:)", "u(2)", "u(:,2)"})
+    EXPECT_EQ(table.column(name), (Values{10, 20, 30})) << name;
+  EXPECT_NE(test::error_of([&] { static_cast<void>(table.column("ans(:,2)")); }), "");
+}
+
+/// One row of a compound.
+struct Sample {
+  double time;
+  std::int32_t force;
+  double motion[2];
+};
+
+TEST_F(TableTest, ReadsMembersOfCompounds) {
+  const auto path = folder_.path() / "log.h5";
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hsize_t count[] = {3}, pair[] = {2};
+  const hid_t space = H5Screate_simple(1, count, nullptr);
+  const hid_t type = H5Tcreate(H5T_COMPOUND, sizeof(Sample));
+  const hid_t list = H5Tarray_create2(H5T_NATIVE_DOUBLE, 1, pair);
+  H5Tinsert(type, "time", HOFFSET(Sample, time), H5T_NATIVE_DOUBLE);
+  H5Tinsert(type, "force", HOFFSET(Sample, force), H5T_NATIVE_INT32);
+  H5Tinsert(type, "motion", HOFFSET(Sample, motion), list);
+  const hid_t data = H5Dcreate2(file, "log", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const Sample rows[] = {{0, 1, {10, 100}}, {0.1, 2, {20, 200}}, {0.2, 3, {30, 300}}};
+  H5Dwrite(data, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, rows);
+  for (const auto close :
+       {H5Dclose(data), H5Tclose(list), H5Tclose(type), H5Sclose(space), H5Fclose(file)})
+    ASSERT_GE(close, 0);
+
+  const Table table = Table::load(path);
+
+  EXPECT_EQ(table.column("log.time"), (Values{0, 0.1, 0.2}));
+  EXPECT_EQ(table.column("log.force"), (Values{1, 2, 3}));
+  EXPECT_EQ(table.column("log.motion(2)"), (Values{100, 200, 300}));
+  EXPECT_TRUE(Table::is_format_of(path));
+}
+
+std::string lvm(const std::string& columns, const std::string& segment) {
+  return "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\nDecimal_Separator\t.\n"
+         "Multi_Headings\tYes\nX_Columns\t" +
+         columns + "\nTime\t14:37:48.2010\n***End_of_Header***\t\n\t\n" + segment;
+}
+
+std::string lvm_header(const std::string& samples = "3\t3", const std::string& step = "0.1\t0.1",
+                       const std::string& start = "0\t0") {
+  return "Channels\t2\t\t\nSamples\t" + samples + "\nDate\t2024/05/13\t2024/05/13\nX0\t" + start +
+         "\nDelta_X\t" + step + "\n***End_of_Header***\t\t\n";
+}
+
+TEST_F(TableTest, ReadsLvmWithAnyColumnsOfX) {
+  const std::string one = lvm("One", lvm_header() +
+                                         "X_Value\tu\tF\tComment\n0\t1\t10\tstart\n0.1\t2\t20\n"
+                                         "0.2\t3\t30\n");
+  const std::string multi = lvm("Multi", lvm_header() +
+                                             "X_Value\tu\tX_Value\tF\tComment\n0\t1\t0.05\t10\n"
+                                             "0.1\t2\t0.15\t20\n0.2\t3\t0.25\t30\n");
+  const std::string none =
+      lvm("No", lvm_header() + "X_Value\tu\tF\tComment\n\t1\t10\n\t2\t20\n\t3\t30\n");
+  std::string commas = none;
+  commas.replace(commas.find("Separator\t."), 11, "Separator\t,");
+  for (auto at = commas.find("0.1"); at != std::string::npos; at = commas.find("0.1"))
+    commas.replace(at, 3, "0,1");
+  for (const auto& text : {one, multi, none, commas}) {
+    const Table table = load(text);
+    const auto& time = table.column("X_Value");
+    ASSERT_EQ(time.size(), 3U) << text;
+    EXPECT_NEAR(time[2], 0.2, 1e-12) << text;
+    EXPECT_EQ(table.column("u"), (Values{1, 2, 3})) << text;
+    EXPECT_EQ(table.column("F"), (Values{10, 20, 30})) << text;
+  }
+  EXPECT_EQ(load(multi).column("X_Value(2)"), (Values{0.05, 0.15, 0.25}));
+  EXPECT_TRUE(Table::is_format_of(folder_.write("log.lvm", one)));
+}
+
+TEST_F(TableTest, JoinsSegmentsOfLvmThatGoOn) {
+  const std::string names = "X_Value\tu\tF\n";
+  const std::string first = lvm_header("2\t2") + names + "0\t1\t10\n0.1\t2\t20\n\n";
+  const std::string next = lvm_header("1\t1", "0.1\t0.1", "0.2\t0.2") + names + "0.2\t3\t30\n";
+
+  EXPECT_EQ(load(lvm("One", first + next)).column("F"), (Values{10, 20, 30}));
+  EXPECT_NE(error(lvm("One", first + first)).find("a further segment begins at 0 s, after 0.1 s"),
+            std::string::npos);
+  EXPECT_NE(error(lvm("One", first + lvm_header("1\t1") + "X_Value\tu\tG\n0.2\t3\t30\n"))
+                .find("the segment has other channels than the first one"),
+            std::string::npos);
+}
+
+TEST_F(TableTest, RefusesDamagedLvmByItsLine) {
+  const std::string rows = "X_Value\tu\tF\n0\t1\t10\n0.1\t2\t20\n0.2\t3\t30\n";
+  const auto expect = [&](const std::string& text, const std::string& message) {
+    EXPECT_NE(error(text).find(message), std::string::npos) << error(text);
+  };
+  expect(lvm("One", lvm_header("4\t4") + rows), "3 rows found, expected Samples = 4");
+  expect(lvm("One", "Channels\t2\n"), "found no end of the header");
+  expect(lvm("One", lvm_header()), "found no names below the header");
+  expect(lvm("One", ""), "found no segment");
+  expect(lvm("One", lvm_header() + "X_Value\tu\tu\n0\t1\t10\n"), "two columns are named 'u'");
+  expect(lvm("No", lvm_header("1\t1", "0.1\t0.2") + "X_Value\tu\tF\n\t1\t10\n"),
+         "'Delta_X' of the channels differ");
+  const Table table = load(lvm("One", lvm_header("1\t1") + "X_Value\tu\tF\n0\tx\t10\n"));
+  EXPECT_NE(test::error_of([&] {
+              static_cast<void>(table.column("u"));
+            }).find("found 'x' in column 'u', expected a finite number"),
+            std::string::npos);
 }
 
 // A bit of its data flips, which its checksum shows.
