@@ -151,8 +151,12 @@ std::optional<double> number_of(std::string_view text) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   double value = 0;
   const auto [stopped, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (problem != std::errc{} || stopped != text.data() + text.size()) return std::nullopt;
-  return value;
+  if (problem == std::errc{} && stopped == text.data() + text.size()) return value;
+  const auto exponent = text.find_first_of("dD");
+  if (exponent == text.npos) return std::nullopt;
+  std::string with_e{text};
+  with_e[exponent] = 'e';
+  return number_of(with_e);
 }
 
 std::string with_decimal_points(std::string text) {

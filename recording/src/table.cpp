@@ -78,11 +78,14 @@ std::vector<std::string_view> parts_of(std::string_view name) {
   }
 }
 
-// MATLAB reads "rec(1).Y" and "rec.Y" alike if rec has one element.
+// MATLAB reads "rec(1).Y" and "rec.Y" alike if rec has one element, and "u(:)" and "u".
 bool is_same(std::string_view asked, std::string_view known) {
   const auto a = parts_of(asked), b = parts_of(known);
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](auto one, auto other) {
-    return one == other || one == std::string{other} + "(1)";
+    if (one == other) return true;
+    if (!one.starts_with(other)) return false;
+    one.remove_prefix(other.size());
+    return one == "(1)" || one == "(:)" || one == "(:,1)" || one == "(1,:)";
   });
 }
 
@@ -101,7 +104,7 @@ const Table::Column& Table::found(const std::string& name) const {
     known.push_back(column.name);
   }
   for (const auto& column : columns_)
-    if (is_same(name, column.name)) return column;
+    if (is_same(name, column.name) || is_same(name, column.slice)) return column;
   throw Error{
       fmt::format("{}: there is no column '{}'{}", file_, name, hint_for(name, std::move(known)))};
 }

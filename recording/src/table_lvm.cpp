@@ -39,7 +39,9 @@ class LvmReader {
   Columns read() {
     const Header header = read_header();
     const auto decimal = header.find("Decimal_Separator");
-    has_commas_ = decimal != header.end() && decimal->second.at(0) == ",";
+    has_commas_ = decimal != header.end() && decimal->second[0] == ",";
+    const auto headings = header.find("Multi_Headings");
+    has_further_packets_ = headings != header.end() && headings->second[0] == "No";
     while (skip_blank_lines()) read_segment();
     if (columns_.empty()) fail("found no segment, expected names and rows below the headers");
     return std::move(columns_);
@@ -173,7 +175,8 @@ class LvmReader {
     if (found == header.end()) return;
     double most = 0;
     for (const auto cell : found->second) most = std::max(most, number(cell).value_or(0));
-    if (most != static_cast<double>(rows))
+    const auto found_rows = static_cast<double>(rows);
+    if (found_rows < most || (found_rows > most && !has_further_packets_))
       fail(fmt::format("{} rows found, expected Samples = {:g}", rows, most));
   }
 
@@ -192,6 +195,7 @@ class LvmReader {
   std::size_t line_ = 0;  // from 0
   char separator_ = '\t';
   bool has_commas_ = false, has_times_ = true;
+  bool has_further_packets_ = false;    // below the header of the first one
   Columns columns_;                     // the first one is X_Value
   std::vector<std::size_t> positions_;  // of the columns in a row
 };

@@ -110,6 +110,11 @@ void add_variable(const std::string& name, matvar_t& variable, int depth, Column
   add_matrix(columns, name, sizes.empty() ? 1 : sizes[0], values);
 }
 
+bool is_object(const matvar_t& variable) {
+  return variable.class_type == MAT_C_OBJECT || variable.class_type == MAT_C_OPAQUE ||
+         variable.class_type == MAT_C_FUNCTION;
+}
+
 }  // namespace
 
 bool is_mat(const std::filesystem::path& file) {
@@ -131,11 +136,20 @@ Columns read_mat_columns(const std::filesystem::path& file) {
   const std::unique_ptr<mat_t, CloseFile> opened{Mat_Open(file.c_str(), MAT_ACC_RDONLY)};
   if (!opened) throw Error{file.string() + ": cannot be read as a MAT file"};
   Columns columns;
+  std::string objects;
   while (true) {
     const std::unique_ptr<matvar_t, FreeVariable> variable{Mat_VarReadNext(opened.get())};
-    if (!variable) return columns;
+    if (!variable) break;
+    if (variable->name == nullptr) continue;
     add_variable(variable->name, *variable, 0, columns);
+    if (is_object(*variable)) objects += fmt::format(" '{}'", variable->name);
   }
+  if (columns.empty() && !objects.empty())
+    throw Error{
+        fmt::format("{}: holds objects that only MATLAB reads, such as time series:{}; "
+                    "expected arrays or structures",
+                    file.string(), objects)};
+  return columns;
 }
 
 }  // namespace rths::recording

@@ -23,7 +23,9 @@ TEST(Text, HasCellsWithoutBlanksAndQuotes) {
 
 TEST(Text, IsANumberAsAWholeOnly) {
   EXPECT_EQ(number_of("+1.5e-3"), 1.5e-3);
-  for (const char* text : {"", "1,5", "1.5x", "x", "1 2"}) EXPECT_FALSE(number_of(text)) << text;
+  EXPECT_EQ(number_of("1.5D-3"), 1.5e-3);
+  for (const char* text : {"", "1,5", "1.5x", "x", "1 2", "1d2d", "d", "dead", "1.5D"})
+    EXPECT_FALSE(number_of(text)) << text;
 }
 
 TEST(Text, HasHalvesOfNumbersWithDecimalCommas) {

@@ -78,8 +78,9 @@ TEST_P(Check, RecognisesAFileByItsContent) {
 
   EXPECT_EQ(checked.exit_code, 0) << checked.err;
   EXPECT_NE(checked.out.find(GetParam().kind), std::string::npos) << checked.out;
-  // The second line of an experiment has the sizes of its motion.
-  EXPECT_EQ(lines(checked.out), std::string{GetParam().name} == "experiment" ? 2 : 1);
+  // The second line of an experiment has the sizes of its motion, those of a case its channels.
+  const std::string name = GetParam().name;
+  EXPECT_EQ(lines(checked.out), name == "experiment" ? 2 : name == "case" ? 13 : 1) << checked.out;
 }
 
 std::string in_tree(const char* file) { return (test::source_tree() / file).string(); }
@@ -140,6 +141,41 @@ TEST(Check, SaysWhatIsWrongWithAMachineLimitsOrConstants) {
          "jump_m has 1 numbers, expected [long, lat]");
   expect("examples/srmd_constants.toml", "force_offset_N", "force_ofset_N",
          "unknown key 'force_ofset_N'");
+}
+
+TEST(Check, ListsTheColumnsOfARecording) {
+  const test::TemporaryFolder folder;
+  const auto log = folder.write("log.csv", "t [s];u [mm];F\n;;kN\n0;1,5;2\n0,1;-2,5;4\n0,2;3;7\n");
+
+  const Finished checked = run_rths({"check", log.string()});
+
+  EXPECT_EQ(checked.out, log.string() +
+                             ": table of 3 columns for the records of a case\n"
+                             "  't [s]': 3 values, 0 to 0.2 in steps of 0.1\n"
+                             "  'u [mm]': 3 values, -2.5 to 3\n"
+                             "  'F' [kN]: 3 values, 2 to 7\n");
+  const auto lvm = folder.write("a.lvm",
+                                "LabVIEW Measurement\nX_Columns\tOne\n***End_of_Header***\n"
+                                "Channels\t1\n***End_of_Header***\nX_Value\tF\n0\t1\n1\t0\n");
+  EXPECT_NE(run_rths({"check", lvm.string()}).out.find("table of 2 columns"), std::string::npos);
+  // A damaged motion, or a velocity, is no recording.
+  for (const char* text : {"t,ns [g]\n0,1\n.01,x\n", "t,v [cm/s]\n0,1\n.01,2\n.02,3\n"})
+    EXPECT_EQ(run_rths({"check", folder.write("m.csv", text).string()}).exit_code, 2) << text;
+}
+
+TEST(Check, ListsTheChannelsOfAStation) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write(
+      "a.dat",
+      "#StationCode: ABC\n#RecordLength(sec): .06\n#SampleRate(Hz): 50\n#AmplitudeUnit:  gal.\n"
+      "#DataSequence: Time U(+); N(+); E(+)\n#Data: 4F10.3\n0 0 0 0\n.02 98.0665 196.133 0\n"
+      ".04 0 0 -98.0665\n");
+
+  EXPECT_EQ(run_rths({"check", file.string()}).out,
+            file.string() +
+                ": ground motion (CWA), 3 samples, interval 0.02 s, peak 0.1 g of column 1 'U' (in "
+                "gal (cm/s²)), 0.2 g of column 2 'N' (in gal (cm/s²)), 0.1 g of column 3 'E' (in "
+                "gal (cm/s²))\n");
 }
 
 TEST(Check, RefusesUnknownFiles) {

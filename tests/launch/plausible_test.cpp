@@ -200,6 +200,66 @@ TEST_F(PlausibleTest, AResponseThatNoMachineReachesIsRefused) {
                "and the machine reaches");
 }
 
+/// A record of a station: U, N and E in gal, of `samples` at 100 Hz.
+std::string station(int samples) {
+  std::string text = fmt::format(
+      "#StationCode: ABC\n#RecordLength(sec): {}\n#SampleRate(Hz): 100\n#AmplitudeUnit: gal.\n"
+      "#DataSequence: Time U(+); N(+); E(+)\n#Data: 4F10.3\n",
+      0.01 * samples);
+  for (int i = 0; i < samples; ++i)
+    text += fmt::format("{:.3f} 1 {:.6f} {:.6f}\n", 0.01 * i, 98.0665 * burst(0.01 * i),
+                        196.133 * burst(0.01 * i));
+  return text;
+}
+
+TEST_F(PlausibleTest, ChannelsOfAStationAreChosenByTheirNumber) {
+  folder.write("station.dat", station(1000));
+  const std::string of = "{file = " + file("station.dat");
+
+  EXPECT_FOUND(found_with({{"motion", of + "}"}}),
+               "station.dat has 3 channels: 1 'U', 2 'N', 3 'E'; expected column_long with the "
+               "number of one");
+  EXPECT_FOUND(found_with({{"motion", of + ", column_long = 3}"}}), "expected column_lat with");
+  const auto motion = app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d_ats.toml",
+                                           {{"held_out", "{}"},
+                                            {"motion", of + ", column_long = 3, column_lat = 2}"}})
+                          .motion;
+  EXPECT_NEAR(motion.long_acceleration[325], 2 * 0.980665 * burst(3.25), 1e-6);
+  EXPECT_NEAR(motion.lat_acceleration[325], 0.980665 * burst(3.25), 1e-6);
+}
+
+/// Two channels of CSMIP in g, of 500 and `other` samples at 100 Hz.
+std::string two_channels(int other) {
+  std::string text = "Uncorrected Accelerogram Data\n";
+  for (const int samples : {500, other}) {
+    text += fmt::format("Chan {}\n {} Accelerogram points at 100 pts/sec in units of g .\n",
+                        samples, samples);
+    for (int i = 0; i < samples; ++i) text += fmt::format("{:.6f}\n", 0.3 * burst(0.01 * i));
+    text += "/& End of Data\n";
+  }
+  return text;
+}
+
+TEST_F(PlausibleTest, ChannelsOfOneRecorderMayEndApart) {
+  folder.write("two.v1", two_channels(497));
+  const std::string of = "{file = " + file("two.v1") + ", column_long = 1, column_lat = 2}";
+
+  EXPECT_FOUND(found_with({{"motion", of}}),
+               "the channels of two.v1 have 497 to 500 samples; zeros follow the shorter ones");
+  // Files of their own may be of different records.
+  folder.write("short.AT2", at2(1, "G", "NPTS= 500, DT= .0050 SEC"));
+  EXPECT_FOUND(found_with({{"motion", "{file_long = " + file("h1.AT2") +
+                                          ", file_lat = " + file("short.AT2") + "}"}}),
+               "differ in length or time step: 500 samples of 0.01 s, and 500 of 0.005 s");
+}
+
+TEST_F(PlausibleTest, AVerticalColumnIsNoHorizontalComponent) {
+  for (const char* name : {"UD [g]", "up", "HNZ", "Vertical (g)"}) {
+    folder.write("ud.csv", record(1, 0.01, fmt::format("t [s],ns [g],{}\n", name)));
+    EXPECT_FOUND(found_in("ud.csv"), "a vertical component, expected column_lat");
+  }
+}
+
 // Inputs of others, where they are at hand: all hold the motion of g.csv.
 class StrangersMotions : public ::testing::Test {
  protected:

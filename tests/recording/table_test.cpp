@@ -230,6 +230,7 @@ TEST_F(TableTest, ReadsEveryElementOfAnArrayOfStructures) {
     EXPECT_EQ(table.column("rec(1).X(1).Data"), (Values{0, 0.1, 0.2})) << version;
     EXPECT_EQ(table.column("rec.Y(1).Data"), (Values{1, 2, 3})) << version;
     EXPECT_EQ(table.column("rec.Y(2).Data"), (Values{10, 20, 30})) << version;
+    EXPECT_EQ(table.column("rec.Y(2).Data(:)"), (Values{10, 20, 30})) << version;
     EXPECT_NE(test::error_of([&] {
                 static_cast<void>(table.column("rec.Y.Data"));
               }).find("there is no column 'rec.Y.Data'"),
@@ -349,12 +350,21 @@ TEST_F(TableTest, JoinsSegmentsOfLvmThatGoOn) {
             std::string::npos);
 }
 
+// Then Samples counts the first packet alone.
+TEST_F(TableTest, ReadsFurtherPacketsOfLvmWithoutHeader) {
+  std::string text = lvm("One", lvm_header("1\t1") + "X_Value\tu\tF\n0\t1\t10\n0.1\t2\t20\n");
+  text.replace(text.find("Yes"), 3, "No");
+
+  EXPECT_EQ(load(text).column("F"), (Values{10, 20}));
+}
+
 TEST_F(TableTest, RefusesDamagedLvmByItsLine) {
   const std::string rows = "X_Value\tu\tF\n0\t1\t10\n0.1\t2\t20\n0.2\t3\t30\n";
   const auto expect = [&](const std::string& text, const std::string& message) {
     EXPECT_NE(error(text).find(message), std::string::npos) << error(text);
   };
   expect(lvm("One", lvm_header("4\t4") + rows), "3 rows found, expected Samples = 4");
+  expect(lvm("One", lvm_header("2\t2") + rows), "3 rows found, expected Samples = 2");
   expect(lvm("One", "Channels\t2\n"), "found no end of the header");
   expect(lvm("One", lvm_header()), "found no names below the header");
   expect(lvm("One", ""), "found no segment");

@@ -11,6 +11,7 @@
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -62,11 +63,30 @@ double time_step_of(const Config& table, const sim::MotionFile& motion) {
                          fmt::join(channels, ", "), key));
 }
 
+// Whether a heading such as "UD [gal]" or "HNZ" is that of a vertical component.
+bool is_vertical(const std::string& heading) {
+  const std::string name = in_small_letters(heading.substr(0, heading.find_first_of(" _[(,.")));
+  constexpr const char* kNames[] = {"ud", "u-d", "up",  "vert", "vertical",
+                                    "z",  "hnz", "hlz", "bhz"};
+  return std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames);
+}
+
+void reject_vertical(const Config& table, const std::string& key, int column,
+                     const sim::MotionFile& motion) {
+  if (motion.columns.size() < static_cast<std::size_t>(column)) return;
+  const auto& heading = motion.columns[static_cast<std::size_t>(column - 1)].heading;
+  if (is_vertical(heading))
+    table.fail("file", fmt::format("column {} of {} is '{}', a vertical component, expected "
+                                   "column_{} with the number of a horizontal one",
+                                   column, motion.file.filename().string(), heading, key));
+}
+
 int column_of(const Config& table, const std::string& key, int column,
               const sim::MotionFile& motion) {
   const std::string name = "column_" + key;
   if (!table.has(name) && motion.has_one_component()) return 1;
   if (!table.has(name) && motion.has_channels) fail_without_channel(table, key, motion);
+  if (!table.has(name) && key != "vert") reject_vertical(table, key, column, motion);
   if (!table.has(name)) return column;
   if (motion.is_at2())
     table.fail(name, fmt::format("{} has no effect: {} is an .AT2 file, which has one component",

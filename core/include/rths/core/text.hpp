@@ -27,7 +27,8 @@ namespace rths {
 /// @param separator  of the cells; ' ' stands for any blanks and tabs
 [[nodiscard]] std::vector<std::string_view> cells_of(std::string_view line, char separator);
 
-/// A number that is the whole text, in any locale; it may begin with '+'.
+/// A number that is the whole text, in any locale; it may begin with '+', and have the exponent of
+/// Fortran, "5.0D-03".
 [[nodiscard]] std::optional<double> number_of(std::string_view text);
 
 /// The text with points in the numbers of its rows, if their commas are decimal: no number of a row
