@@ -69,7 +69,7 @@ void await_others(const Experiment& experiment, const NodePlan& plan,
 }
 
 // How long a program may wait for its user before its first target [s].
-double longest_start(const Experiment& experiment) {
+double longest_wait_for_user(const Experiment& experiment) {
   double longest = 0;
   for (const auto& plan : experiment.nodes)
     if (const auto& program = plan.settings.program)
@@ -81,7 +81,7 @@ double longest_start(const Experiment& experiment) {
 std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
   constexpr double kSlowest = 2, kMargin = 10;  // of the planned duration; [s]
   const double longest = (experiment.rest + experiment.duration * experiment.rate) * kSlowest +
-                         longest_start(experiment);
+                         longest_wait_for_user(experiment);
   return static_cast<std::size_t>((longest + kMargin) / to_seconds(plan.schedule.period));
 }
 
