@@ -19,6 +19,7 @@
 #include <rths/report/report.hpp>
 
 #include "commands.hpp"
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
