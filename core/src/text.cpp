@@ -60,9 +60,18 @@ const char* decimal_comma_of(std::string_view word) {
 
 constexpr std::string_view kOfNumbers = "0123456789+-.,eE";
 
+// "1,234" may have thousands; "0,234" and "1,5" do not.
+bool may_be_thousands(std::string_view word, const char* comma) {
+  std::string_view whole = word.substr(0, static_cast<std::size_t>(comma - word.data()));
+  const std::string_view fraction = word.substr(whole.size() + 1);
+  if (whole.starts_with('-') || whole.starts_with('+')) whole.remove_prefix(1);
+  return fraction.size() == 3 && !whole.empty() && whole.size() <= 3 && whole.front() != '0';
+}
+
 /// A line as a row of numbers with decimal commas.
 struct CommaRow {
   std::vector<const char*> commas;
+  bool is_certain = false;   ///< a comma is no separator of thousands
   bool is_contrary = false;  ///< its numbers have points, or commas separate them
 };
 
@@ -73,6 +82,7 @@ CommaRow comma_row(std::string_view line) {
   for (const auto word : words) {
     if (const char* comma = decimal_comma_of(word)) {
       row.commas.push_back(comma);
+      row.is_certain = row.is_certain || !may_be_thousands(word, comma);
     } else if (number_of(word)) {
       row.is_contrary = row.is_contrary || word.find('.') != word.npos;
     } else if (word.find(',') != word.npos && word.find_first_not_of(kOfNumbers) == word.npos) {
@@ -160,16 +170,16 @@ std::optional<double> number_of(std::string_view text) {
 }
 
 std::string with_decimal_points(std::string text) {
-  bool has_commas = false;
+  bool is_certain = false;
   std::vector<std::size_t> commas;
   for (const auto line : lines_of(text)) {
     const auto row = comma_row(line);
     if (row.is_contrary) return text;
-    has_commas = has_commas || !row.commas.empty();
+    is_certain = is_certain || row.is_certain;
     for (const char* comma : row.commas)
       commas.push_back(static_cast<std::size_t>(comma - text.data()));
   }
-  for (const std::size_t comma : commas) text[comma] = '.';
+  for (const std::size_t comma : commas) text[comma] = is_certain ? '.' : ',';
   return text;
 }
 

@@ -121,6 +121,12 @@ class ColumnReader {
                  fmt::format("'{}' looks like numbers with decimal commas, expected points, or "
                              "columns separated by semicolons",
                              line.substr(0, 60)));
+    for (const char separator : {';', '\t'})
+      for (const auto cell : cells_of(line, separator))
+        if (line.find(separator) != line.npos && cell.find(',') != cell.npos && is_row(cell, {}))
+          text_.fail(number, fmt::format("'{}' looks like a number with a decimal comma, or with "
+                                         "thousands, expected a point",
+                                         cell));
     for (const char separator : {',', ';'}) {
       auto cells = cells_of(line, separator);
       if (cells.size() < 2) continue;

@@ -49,8 +49,9 @@ TEST(Text, HasDecimalPointsWhereCommasAreDecimal) {
       {"13.05.2024 14:37:48;0,1;1,5", "13.05.2024 14:37:48;0.1;1.5"}};
   for (const auto& [text, expected] : cases) EXPECT_EQ(with_decimal_points(text), expected);
   // A comma between columns, a point in a number, a single number per line, a comment.
-  for (const std::string text : {"0,1,2\n0,3,4\n", "0,1;1.5\n", "0,5\n0,6\n", "1, 2, 3\n",
-                                 "0.1;1,5\n0,2;1,6\n", "# 0,1;1,5\n", "a,b\n", ""})
+  for (const std::string text :
+       {"0,1,2\n0,3,4\n", "0,1;1.5\n", "0,5\n0,6\n", "1, 2, 3\n", "0.1;1,5\n0,2;1,6\n",
+        "# 0,1;1,5\n", "a,b\n", "1,000;2,500\n1,005;-2,600\n", ""})
     EXPECT_EQ(with_decimal_points(text), text);
 }
 

@@ -7,7 +7,9 @@
 #include <gtest/gtest.h>
 
 #include <rths/models/dynamic_relation.hpp>
+#include "diagnosis/models/src/dynamic_reading.hpp"
 #include "dynamic_case.hpp"
+#include "support/files.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -18,6 +20,23 @@ using Eigen::VectorXd;
 using test_support::Columns;
 
 constexpr double kKindsStep = 0.01;
+
+// MAT version 4: a header of five words, the name, the values column by column.
+TEST(MatrixFile, OfMatlabKeepsItsRowsAndColumns) {
+  const test::TemporaryFolder folder;
+  for (const auto& [rows, columns] : {std::pair{2, 3}, std::pair{3, 2}}) {
+    const std::int32_t head[] = {0, rows, columns, 0, 2};
+    const double values[] = {1, 2, 3, 4, 5, 6};
+    std::string bytes{reinterpret_cast<const char*>(head), sizeof head};
+    bytes += std::string{"C\0", 2};
+    bytes.append(reinterpret_cast<const char*>(values), sizeof values);
+    Config table;
+    table.put("C", folder.write("c.mat", bytes).string());
+
+    const MatrixXd expected = Eigen::Map<const MatrixXd>(values, rows, columns);
+    EXPECT_EQ(read_matrix(table, "C"), expected);
+  }
+}
 
 std::string records(const std::string& channels) {
   return R"(format = 1

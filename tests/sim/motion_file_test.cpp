@@ -377,6 +377,9 @@ TEST(ColumnFile, HasDecimalCommasWhereNothingElseSeparatesWithThem) {
   std::replace(commas.begin(), commas.end(), '.', ',');
   EXPECT_NE(error(commas).find("looks like numbers with decimal commas"), std::string::npos)
       << error(commas);
+  for (const char* ambiguous : {"t;a\n1,000;2,500\n1,005;2,600\n", "t\ta\n0,1\t1.5\n0,2\t1.6\n"})
+    EXPECT_NE(error(ambiguous).find("looks like a number with a decimal comma"), std::string::npos)
+        << error(ambiguous);
 }
 
 TEST(ColumnFile, HasATimeInMillisecondsIfItsHeadingSaysSo) {

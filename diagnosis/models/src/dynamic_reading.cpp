@@ -85,6 +85,8 @@ Eigen::MatrixXd read_matrix(const Config& table, const std::string& key) {
     for (Eigen::Index j = 0; j < matrix.cols(); ++j)
       matrix.col(j) = Eigen::Map<const Eigen::VectorXd>(
           columns[static_cast<std::size_t>(j)].values.data(), matrix.rows());
+    // Of a matrix that is wider than high, the table has the rows.
+    if (!columns.empty() && columns[0].slice.ends_with(",:)")) matrix.transposeInPlace();
     return matrix;
   }
   const auto rows = table.rows(key);
