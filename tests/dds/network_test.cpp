@@ -7,6 +7,8 @@
 #include <array>
 #include <bit>
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 #include <random>
 #include <regex>
 #include <thread>
@@ -37,6 +39,11 @@ class TwoHosts : public ::testing::Test {
         "/bin/sh", "-c",
         fmt::format("exec {}{} bridge {} --as joint --domain 7 --interface eth0 --host host{} {}",
                     network_.on(host), test::rths_command(), ring, host, more)};
+  }
+  [[nodiscard]] std::vector<std::string> doctor_command(int host) const {
+    return {"/bin/sh", "-c",
+            fmt::format("exec {}{} doctor --domain 7 --interface eth0", network_.on(host),
+                        test::rths_command())};
   }
   const test::Network network_{2};
 };
@@ -117,6 +124,43 @@ TEST_F(TwoHosts, RefuseAProfileThatIsNotThere) {
   EXPECT_EQ(refused.exit_code, 2);
   EXPECT_NE(refused.err.find("CYCLONEDDS_URI, which is 'file:///nowhere.xml'"), std::string::npos)
       << refused.err;
+}
+
+// Iceoryx would end the process after a minute, as there is no RouDi.
+TEST_F(TwoHosts, IgnoreTheSharedMemoryOfOtherSoftware) {
+  const std::string enabled =
+      "<CycloneDDS><Domain Id=\"any\"><SharedMemory><Enable>true</Enable></SharedMemory></Domain>"
+      "</CycloneDDS>";
+  const std::string of_domain =
+      "<CycloneDDS><Domain Id=\"7\"><SharedMemory><Enable>true</Enable><LogLevel>info</LogLevel>"
+      "</SharedMemory></Domain></CycloneDDS>";
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "ros.xml").string();
+  std::ofstream{file} << enabled;
+  const test::RingRemoval removal{test::unique_ring("dds_ros")};
+  for (const auto& setting : {enabled, of_domain, "file://" + file}) {
+    setenv("CYCLONEDDS_URI", setting.c_str(), 1);
+    const auto bridged =
+        test::Running{bridge(1, removal.name, "--map srmd --timeout 300")}.wait(20);
+    EXPECT_EQ(bridged.exit_code, 0) << setting << bridged.err;
+    EXPECT_EQ(test::run_rths({"doctor"}).out.find(removal.name), std::string::npos);
+    const auto examined = test::Running{doctor_command(2)}.wait(20);
+    EXPECT_EQ(examined.exit_code, 1) << setting << examined.err;
+    EXPECT_NE(examined.out.find("no gateway answered"), std::string::npos) << examined.err;
+    const auto run =
+        test::Running{
+            {"/bin/sh", "-c",
+             fmt::format("exec {}{} run {} --host control --ring {} --out {} --interface eth0 "
+                         "--no-diagnosis --set network.deadline_s=1",
+                         network_.on(1), test::rths_command(),
+                         (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(),
+                         removal.name, (folder.path() / "out").string())}}
+            .wait(20);
+    EXPECT_EQ(run.exit_code, 2) << setting << run.out << run.err;
+    EXPECT_NE(run.err.find("not ready after 1 s"), std::string::npos) << run.err;
+    std::filesystem::remove_all(folder.path() / "out");
+  }
+  unsetenv("CYCLONEDDS_URI");
 }
 
 // Each round writes while the gateway dies at a random moment, and then measures until a new
@@ -294,9 +338,7 @@ TEST_F(TwoHosts, AreHeardByTheDoctor) {
   test::RingHost first{"first", test::small_map()};
   const broker::Node machine = first.ring().join("machine", 0);
   test::Running one{bridge(1, first.ring_name())};
-  test::Running doctor{{"/bin/sh", "-c",
-                        fmt::format("exec {}{} doctor --domain 7 --interface eth0", network_.on(2),
-                                    test::rths_command())}};
+  test::Running doctor{doctor_command(2)};
   const auto found = doctor.wait(20);
   EXPECT_EQ(found.exit_code, 0) << found.err;
   EXPECT_NE(found.out.find("eth0         10.77.0.2        up, multicast, MTU "), std::string::npos)

@@ -21,6 +21,13 @@ constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
 // A host that died blocks the others for this long; one that was only stopped is found again.
 constexpr const char* kLease = "2 s";
 constexpr std::size_t kSamples = 16;  // taken at once
+// Iceoryx, which the settings of other software may ask for, ends a process that has no RouDi after
+// a minute.
+#ifdef DDS_HAS_SHM
+constexpr const char* kNoSharedMemory = "<SharedMemory><Enable>false</Enable></SharedMemory>";
+#else
+constexpr const char* kNoSharedMemory = "";
+#endif
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -58,9 +65,9 @@ std::string configuration_of(const CycloneOptions& options) {
       "{},{},{}",
       domain(fmt::format("<Discovery><LeaseDuration>{}</LeaseDuration></Discovery>", kLease)),
       file == nullptr ? "" : file,
-      domain(fmt::format("<General>{}{}</General><Discovery>{}</Discovery>", interfaces,
-                         peers.empty() ? "" : "<AllowMulticast>false</AllowMulticast>",
-                         discovery)));
+      domain(fmt::format("<General>{}{}</General><Discovery>{}</Discovery>{}", interfaces,
+                         peers.empty() ? "" : "<AllowMulticast>false</AllowMulticast>", discovery,
+                         kNoSharedMemory)));
 }
 
 dds_entity_t checked(dds_entity_t entity, const char* what) {
