@@ -31,10 +31,10 @@ std::string text_of(const dds::GatewayCounts& c) {
   return fmt::format(
       "sent {} updates in {} frames, received {}; {} missing and asked for again, {} repeated, {} "
       "snapshots, {} images differed, {} bad frames, {} times behind a journal, {} interrupts "
-      "sent, {} lost, held off {:.1f} ms",
+      "sent, {} lost, held off {:.1f} ms, joined the network anew {} times",
       c.updates_sent, c.frames_sent, c.updates_received, c.gaps, c.repeated, c.snapshots,
       c.mismatches, c.bad_frames, c.lapped, c.interrupts_sent, c.interrupts_lost,
-      1e-6 * static_cast<double>(c.hold_off_ns));
+      1e-6 * static_cast<double>(c.hold_off_ns), c.rejoins);
 }
 
 /// A ring that the gateway creates, if it is asked to, and removes at its end.
@@ -99,6 +99,7 @@ int bridge(const BridgeArguments& arguments) {
   network.interface = arguments.interface;
   network.peers = arguments.peers;
   network.ring = arguments.joint_name.empty() ? arguments.ring : arguments.joint_name;
+  network.host = arguments.host;
   dds::GatewayOptions options;
   options.host = arguments.host;
   options.report = report;

@@ -54,6 +54,7 @@ dds::CycloneOptions network_of(const Experiment& experiment, const RunOptions& o
   dds::CycloneOptions network;
   network.domain = experiment.domain;
   network.ring = experiment.name;
+  network.host = options.host;
   for (const auto& host : experiment.hosts) {
     if (host.name == options.host)
       network.interface = options.interface.empty() ? host.interface : options.interface;

@@ -119,11 +119,15 @@ TEST(Frame, SurvivesRandomPayloads) {
 }
 
 TEST(Frame, AnnouncesNodesWithPrintableNames) {
-  const auto hello = hello_from(to_bytes({"lab\n2",
-                                          Duration{4},
-                                          {{5, 6, 7}, {8, 9, 10}},
-                                          {{14, 15, 16}},
-                                          {{11, TimePoint{12}, TimePoint{13}}}}));
+  Hello sent;
+  sent.host = "lab\n2";
+  sent.real_time = Duration{4};
+  sent.nodes = {{5, 6, 7}, {8, 9, 10}};
+  sent.received = {{14, 15, 16}};
+  sent.echoes = {{11, TimePoint{12}, TimePoint{13}}};
+  sent.missed = {{"a", Duration{17}}, {"b\t", Duration{18}}};
+  sent.is_last = true;
+  const auto hello = hello_from(to_bytes(sent));
   ASSERT_TRUE(hello);
   EXPECT_EQ(hello->host, "lab?2");
   ASSERT_EQ(hello->received.size(), 1U);
@@ -135,6 +139,10 @@ TEST(Frame, AnnouncesNodesWithPrintableNames) {
   EXPECT_EQ(hello->real_time, Duration{4});
   ASSERT_EQ(hello->echoes.size(), 1U);
   EXPECT_EQ(hello->echoes[0].received, TimePoint{13});
+  ASSERT_EQ(hello->missed.size(), 2U);
+  EXPECT_EQ(hello->missed[1].host, "b?");
+  EXPECT_EQ(hello->missed[1].silence, Duration{18});
+  EXPECT_TRUE(hello->is_last);
 }
 
 }  // namespace

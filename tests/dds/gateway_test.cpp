@@ -276,6 +276,45 @@ TEST_F(GatewayTest, KnowsTheClocksOfOtherHostsAndTheAgesOfTheirWords) {
   EXPECT_TRUE(comes_true([&] { return age() < 0.2; }));
 }
 
+// Damaged datagrams with a valid checksum can spoil DDS's records of another host for good.
+TEST_F(GatewayTest, JoinsTheNetworkAnewIfAHostIsSilentThatIsThere) {
+  for (const auto way : {test::Relay::Way::In, test::Relay::Way::Out}) {
+    start();
+    const broker::Node reader = there_.ring().observe();
+    broker::Node machine = here_.ring().join("machine", 0);
+    ASSERT_EQ(machine.write(kMachineWord, 1), Status::Ok);
+    ASSERT_TRUE(comes_true([&] { return reader.read(kMachineWord) == 1; }));
+    // The receiver is deaf, or the sender is mute.
+    const std::size_t spoilt = way == test::Relay::Way::In ? 1 : 0;
+    relay_->spoil(relay_->counts().carriers - 2 + spoilt, way);
+
+    for (std::uint32_t i = 2; i <= 1000; ++i) ASSERT_EQ(machine.write(kMachineWord, i), Status::Ok);
+
+    EXPECT_TRUE(comes_true([&] { return reader.read(kMachineWord) == 1000; }));
+    EXPECT_EQ(there_.gateway().counts().snapshots, 1U) << "no update is lost";
+    auto& gateway = spoilt == 1 ? there_.gateway() : here_.gateway();
+    EXPECT_GE(gateway.counts().rejoins, 1U);
+    const auto lines = spoilt == 1 ? there_.lines() : here_.lines();
+    EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
+                            [](const auto& line) {
+                              return line.find("joins the network anew") != std::string::npos;
+                            }),
+              1);
+    here_.stop();
+    there_.stop();
+  }
+}
+
+TEST_F(GatewayTest, StaysInTheNetworkIfAHostIsGone) {
+  start();
+  const auto knows = [](RingHost& host) { return host.gateway().status().hosts.size() == 1; };
+  ASSERT_TRUE(comes_true([&] { return knows(here_) && knows(there_); }));
+  relay_->cut(1, true);
+  std::this_thread::sleep_for(std::chrono::milliseconds{4500});
+  EXPECT_EQ(here_.gateway().counts().rejoins, 0U);
+  EXPECT_EQ(there_.gateway().counts().rejoins, 0U);
+}
+
 /// A host that only announces itself, with a calendar clock of its own.
 class Stranger {
  public:
@@ -298,11 +337,11 @@ class Stranger {
     header.map_hash = map_hash_;
     header.sent = now.count();
     dds::FrameWriter writer{header};
-    writer.add_bytes(dds::to_bytes({"stranger",
-                                    dds::real_time_offset() + ahead_,
-                                    {},
-                                    {},
-                                    {{frame->header.host, TimePoint{frame->header.sent}, now}}}));
+    dds::Hello hello;
+    hello.host = "stranger";
+    hello.real_time = dds::real_time_offset() + ahead_;
+    hello.echoes = {{frame->header.host, TimePoint{frame->header.sent}, now}};
+    writer.add_bytes(dds::to_bytes(hello));
     static_cast<void>(carrier_->send(writer.finish()));
   }
   std::unique_ptr<dds::Carrier> carrier_;

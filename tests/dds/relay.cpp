@@ -26,6 +26,8 @@ class Relay::Port final : public dds::Carrier {
         if (relay_->receive(index_, bytes, std::chrono::milliseconds{5})) handle(bytes);
     }};
   }
+  std::vector<dds::PresentHost> present() override { return relay_->present(index_); }
+  void rejoin() override { relay_->rejoin(index_); }
 
  private:
   std::shared_ptr<Relay> relay_;
@@ -37,8 +39,30 @@ class Relay::Port final : public dds::Carrier {
 std::unique_ptr<dds::Carrier> Relay::connect() {
   const std::lock_guard lock{mutex_};
   queues_.emplace_back();
-  cut_.push_back(false);
-  return std::make_unique<Port>(shared_from_this(), queues_.size() - 1);
+  for (auto* flags : {&cut_, &spoilt_in_, &spoilt_out_}) flags->push_back(false);
+  auto port = std::make_unique<Port>(shared_from_this(), queues_.size() - 1);
+  ids_.push_back(port->id());
+  ++counts_.carriers;
+  return port;
+}
+
+void Relay::spoil(std::size_t carrier, Way way) {
+  const std::lock_guard lock{mutex_};
+  (way == Way::In ? spoilt_in_ : spoilt_out_).at(carrier) = true;
+}
+
+void Relay::rejoin(std::size_t at) {
+  const std::lock_guard lock{mutex_};
+  spoilt_in_[at] = spoilt_out_[at] = false;
+}
+
+std::vector<dds::PresentHost> Relay::present(std::size_t at) const {
+  const std::lock_guard lock{mutex_};
+  std::vector<dds::PresentHost> hosts;
+  for (std::size_t i = 0; i < ids_.size(); ++i)
+    if (i != at && !cut_[i] && !cut_[at])
+      hosts.push_back({ids_[i], "host" + std::to_string(i), "ring"});
+  return hosts;
 }
 
 void Relay::cut(std::size_t carrier, bool off) {
@@ -79,7 +103,7 @@ void Relay::send(std::size_t from, std::span<const std::byte> bytes) {
   const std::lock_guard lock{mutex_};
   std::uniform_real_distribution<double> share{0, 1};
   for (std::size_t to = 0; to < queues_.size(); ++to) {
-    if (to == from || cut_[from] || cut_[to]) continue;
+    if (to == from || cut_[from] || cut_[to] || spoilt_out_[from] || spoilt_in_[to]) continue;
     if (share(random_) < faults_.loss) {
       ++counts_.lost;
       continue;

@@ -15,6 +15,7 @@
 
 #include <rths/recording/recording.hpp>
 
+#include "dds/faulty_switch.hpp"
 #include "support/files.hpp"
 #include "support/long_run.hpp"
 #include "support/network.hpp"
@@ -29,6 +30,7 @@ using Json = nlohmann::json;
 class SeveralHosts : public ::testing::Test {
  protected:
   static constexpr const char* kHosts[] = {"simulation", "control", "machine"};
+  explicit SeveralHosts(bool has_switch = true) : network_{3, has_switch} {}
   void SetUp() override {
     if (!network_.exists()) GTEST_SKIP() << "SKIPPED: network namespaces cannot be made here";
   }
@@ -71,7 +73,26 @@ class SeveralHosts : public ::testing::Test {
     return running_.at(host)->wait(deadline);
   }
 
-  const test::Network network_{3};
+  /// Runs the test on one host, too, and compares the recordings.
+  void expect_bytes_of_one_host(const std::string& options) const {
+    const auto alone = folder_.path() / "alone";
+    const auto ended = test::Running{
+        {"/bin/sh", "-c",
+         fmt::format(
+             "exec {} run {} --out {} --no-diagnosis {}{}", test::rths_command(),
+             (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), alone.string(),
+             options_in_compose_file("simulation"),
+             options)}}.wait(200);
+    ASSERT_EQ(ended.exit_code, 0) << ended.err;
+    const std::string command =
+        fmt::format("h5diff --exclude-path=/meta {} {}", (out("simulation") / "run.h5").string(),
+                    (alone / "run.h5").string());
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    EXPECT_EQ(recording::Reader{out("simulation") / "run.h5"}.rows(),
+              recording::Reader{alone / "run.h5"}.rows());
+  }
+
+  const test::Network network_;
   const test::TemporaryFolder folder_;
   std::map<std::string, std::unique_ptr<test::Running>> running_;
 };
@@ -84,22 +105,65 @@ TEST_F(SeveralHosts, GiveTheBytesOfOneHostInVirtualTime) {
     EXPECT_EQ(ended.exit_code, 0) << host << ended.err;
     std::printf("%s: %.1f s\n", host, ended.seconds);
   }
-  const auto alone = folder_.path() / "alone";
-  const auto ended = test::Running{
-      {"/bin/sh", "-c",
-       fmt::format(
-           "exec {} run {} --out {} --no-diagnosis {}{}", test::rths_command(),
-           (test::source_tree() / "examples/srmd_lprb_2d_hosts.toml").string(), alone.string(),
-           options_in_compose_file("simulation"),
-           shorter)}}.wait(200);
-  ASSERT_EQ(ended.exit_code, 0) << ended.err;
-  const std::string command =
-      fmt::format("h5diff --exclude-path=/meta {} {}", (out("simulation") / "run.h5").string(),
-                  (alone / "run.h5").string());
-  EXPECT_EQ(std::system(command.c_str()), 0);
-  EXPECT_EQ(recording::Reader{out("simulation") / "run.h5"}.rows(),
-            recording::Reader{alone / "run.h5"}.rows());
+  expect_bytes_of_one_host(shorter);
   EXPECT_FALSE(std::filesystem::exists(out("control") / "run.h5"));
+}
+
+class GarbledHosts : public SeveralHosts {
+ protected:
+  GarbledHosts() : SeveralHosts{false} {}
+  void SetUp() override {
+    SeveralHosts::SetUp();
+    if (!switch_.works()) GTEST_SKIP() << "SKIPPED: packet sockets cannot be made here";
+  }
+  void garble(double share) {
+    test::SwitchFaults faults;
+    faults.garbling = share;
+    switch_.set(faults);
+  }
+  /// True soon after the test has begun.
+  [[nodiscard]] bool is_recording() const {
+    return test::comes_true(
+        [&] {
+          std::error_code error;
+          return std::filesystem::file_size(out("simulation") / "run.h5", error) > 0 && !error;
+        },
+        std::chrono::seconds{30});
+  }
+  test::FaultySwitch switch_{test::Network::ports(), 3, 20261129};
+};
+
+// Datagrams are garbled so that hosts split for good: the gateways join the network anew.
+TEST_F(GarbledHosts, GiveTheBytesOfOneHostInVirtualTime) {
+  const std::string shorter = " --set duration_s=4 --set rest_s=0.2";
+  for (int host = 0; host < 3; ++host) start(host, options_in_compose_file(kHosts[host]) + shorter);
+  ASSERT_TRUE(is_recording());
+  garble(0.5);
+  std::this_thread::sleep_for(std::chrono::milliseconds{1500});
+  garble(0);
+  int joined = 0;
+  for (const char* host : kHosts) {
+    const auto ended = end_of(host, 400);
+    EXPECT_EQ(ended.exit_code, 0) << host << ended.err;
+    if (ended.err.find("joins the network anew") != std::string::npos) ++joined;
+    std::printf("%s: %.1f s\n", host, ended.seconds);
+  }
+  EXPECT_GE(joined, 1);
+  expect_bytes_of_one_host(shorter);
+}
+
+TEST_F(GarbledHosts, EndATestInRealTimeTogether) {
+  start_all("--set duration_s=30");
+  ASSERT_TRUE(is_recording());
+  std::this_thread::sleep_for(std::chrono::seconds{1});
+  garble(0.4);
+  std::this_thread::sleep_for(std::chrono::milliseconds{2400});
+  garble(0);
+  for (const char* host : kHosts) {
+    const auto ended = end_of(host, 20);
+    EXPECT_GT(ended.exit_code, 0) << host << ended.err;
+  }
+  EXPECT_EQ(recording::Reader{out("simulation") / "run.h5"}.meta().count("ending"), 1U);
 }
 
 TEST_F(SeveralHosts, RunOneTestInRealTime) {

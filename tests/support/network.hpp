@@ -15,7 +15,8 @@ namespace rths::test {
 /// Network namespaces with the addresses 10.77.0.1, 10.77.0.2, …; removed at the end.
 class Network {
  public:
-  explicit Network(int hosts) : hosts_{hosts} {
+  /// @param has_switch  false: the ports of the hosts are not connected, for a switch of the test
+  explicit Network(int hosts, bool has_switch = true) : hosts_{hosts}, has_switch_{has_switch} {
     exists_ = run("ip netns add " + switch_name()) &&
               run_in(switch_name(), "link add switch type bridge") &&
               run_in(switch_name(), "link set switch up");
@@ -38,13 +39,21 @@ class Network {
                   fmt::format("link set port{} {}", host, connected ? "up" : "down"));
   }
 
+  /// The namespace with the ports "port1", "port2", … of the hosts.
+  [[nodiscard]] static std::string ports() { return "/run/netns/" + switch_name(); }
+  /// Runs `ip` on a host. @returns false if that failed
+  [[nodiscard]] static bool configure(int host, const std::string& words) {
+    return run_in(name(host), words);
+  }
+
  private:
-  static bool add(int host) {
+  [[nodiscard]] bool add(int host) const {
     const std::string its = name(host);
     return run("ip netns add " + its) &&
            run(fmt::format("ip link add eth0 netns {} type veth peer name port{} netns {}", its,
                            host, switch_name())) &&
-           run_in(switch_name(), fmt::format("link set port{} master switch up", host)) &&
+           run_in(switch_name(),
+                  fmt::format("link set port{} {} up", host, has_switch_ ? "master switch" : "")) &&
            run_in(its, "link set lo up") &&
            run_in(its, fmt::format("addr add 10.77.0.{}/24 dev eth0", host)) &&
            run_in(its, "link set eth0 up");
@@ -63,6 +72,7 @@ class Network {
   static std::string switch_name() { return fmt::format("rths{}_switch", getpid()); }
 
   int hosts_;
+  bool has_switch_;
   bool exists_ = false;
 };
 

@@ -2,8 +2,13 @@
 //
 // The carrier over Cyclone DDS: one reliable topic; a ring's name is its DDS partition.
 #include <array>
+#include <atomic>
+#include <charconv>
 #include <cstdlib>
 #include <mutex>
+#include <optional>
+#include <random>
+#include <string_view>
 #include <utility>
 
 #include <dds/dds.h>
@@ -20,7 +25,8 @@ namespace {
 constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
 // A host that died blocks the others for this long; one that was only stopped is found again.
 constexpr const char* kLease = "2 s";
-constexpr std::size_t kSamples = 16;  // taken at once
+constexpr std::size_t kSamples = 16;        // taken at once
+constexpr std::size_t kParticipants = 256;  // of a domain, at most
 // Iceoryx, which the settings of other software may ask for, ends a process that has no RouDi after
 // a minute.
 #ifdef DDS_HAS_SHM
@@ -70,6 +76,37 @@ std::string configuration_of(const CycloneOptions& options) {
                          kNoSharedMemory)));
 }
 
+// User data of the participant of a gateway: this word, its id, the names of host and ring.
+constexpr std::string_view kGateway = "rths gateway";
+constexpr std::size_t kIdDigits = 16;
+
+std::string announcement_of(std::uint64_t id, const CycloneOptions& options) {
+  return options.host.empty()
+             ? ""
+             : fmt::format("{}{:016x}{}\n{}", kGateway, id, options.host, options.ring);
+}
+
+std::optional<PresentHost> host_from(std::string_view announcement) {
+  if (!announcement.starts_with(kGateway)) return std::nullopt;
+  announcement.remove_prefix(kGateway.size());
+  const auto end_of_host = announcement.find('\n');
+  if (end_of_host == std::string_view::npos || end_of_host < kIdDigits) return std::nullopt;
+  PresentHost host;
+  std::from_chars(announcement.data(), announcement.data() + kIdDigits, host.id, 16);
+  host.host = announcement.substr(kIdDigits, end_of_host - kIdDigits);
+  host.ring = announcement.substr(end_of_host + 1);
+  return host;
+}
+
+std::optional<PresentHost> host_of(const dds_builtintopic_participant_t& participant) {
+  void* data = nullptr;
+  std::size_t size = 0;
+  if (!dds_qget_userdata(participant.qos, &data, &size) || data == nullptr) return std::nullopt;
+  const auto host = host_from({static_cast<const char*>(data), size});
+  dds_free(data);
+  return host;
+}
+
 dds_entity_t checked(dds_entity_t entity, const char* what) {
   if (entity < 0)
     throw Error{fmt::format("DDS: the {} cannot be created: {}", what, dds_strretcode(-entity))};
@@ -95,29 +132,17 @@ struct Qos {
 
 class CycloneCarrier final : public Carrier {
  public:
-  explicit CycloneCarrier(const CycloneOptions& options) {
-    // A domain has one configuration per process; a second carrier uses it too.
-    const dds_entity_t domain =
-        dds_create_domain(options.domain, configuration_of(options).c_str());
-    if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) fail_to_start(domain);
-    participant_ = checked(dds_create_participant(options.domain, nullptr, nullptr), "participant");
-    try {
-      create_topic(options.ring);
-    } catch (...) {
-      dds_delete(participant_);
-      throw;
-    }
-  }
-  ~CycloneCarrier() override { dds_delete(participant_); }
-  CycloneCarrier(const CycloneCarrier&) = delete;
-  CycloneCarrier& operator=(const CycloneCarrier&) = delete;
+  explicit CycloneCarrier(CycloneOptions options) : options_{std::move(options)} { join(); }
+  ~CycloneCarrier() override { leave(); }
 
   bool send(std::span<const std::byte> bytes) override {
+    if (is_leaving_) return false;
+    const std::lock_guard lock{sending_};
     rths_dds_Bytes sample{};
     sample.content._buffer =
         const_cast<std::uint8_t*>(reinterpret_cast<const std::uint8_t*>(bytes.data()));
     sample.content._length = sample.content._maximum = static_cast<std::uint32_t>(bytes.size());
-    return dds_write(writer_, &sample) == DDS_RETCODE_OK;
+    return writer_ != 0 && dds_write(writer_, &sample) == DDS_RETCODE_OK;
   }
 
   void listen(Handler handle) override {
@@ -126,10 +151,74 @@ class CycloneCarrier final : public Carrier {
     if (handle_) hand_over();
   }
 
+  std::vector<PresentHost> present() override {
+    std::array<void*, kParticipants> samples{};
+    std::array<dds_sample_info_t, kParticipants> infos{};
+    const auto look = [&](auto function, std::uint32_t instances, auto visit) {
+      const dds_return_t count =
+          function(participants_, samples.data(), infos.data(), kParticipants, kParticipants,
+                   DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | instances);
+      for (dds_return_t i = 0; i < count; ++i) visit(static_cast<std::size_t>(i));
+      if (count > 0) dds_return_loan(participants_, samples.data(), count);
+      samples.fill(nullptr);
+    };
+    constexpr std::uint32_t kGone =
+        DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE | DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE;
+    look(dds_take_mask, kGone, [](std::size_t) {});
+    std::vector<PresentHost> hosts;
+    look(dds_read_mask, DDS_ALIVE_INSTANCE_STATE, [&](std::size_t i) {
+      if (!infos[i].valid_data) return;
+      auto host = host_of(*static_cast<const dds_builtintopic_participant_t*>(samples[i]));
+      if (host && host->id != id() && (options_.ring == "*" || options_.ring == host->ring))
+        hosts.push_back(std::move(*host));
+    });
+    return hosts;
+  }
+
+  void rejoin() override {
+    is_leaving_ = true;
+    dds_delete(writer_);  // wakes a sender that waits for others
+    const std::lock_guard lock{sending_};
+    leave();
+    is_leaving_ = false;
+    join();
+  }
+
  private:
-  void create_topic(const std::string& ring) {
+  // A domain has one configuration per process; a second carrier uses it too.
+  void join() {
+    domain_ = dds_create_domain(options_.domain, configuration_of(options_).c_str());
+    if (domain_ < 0 && domain_ != DDS_RETCODE_PRECONDITION_NOT_MET) fail_to_start(domain_);
+    try {
+      create_participant();
+      create_topic();
+    } catch (...) {
+      leave();
+      throw;
+    }
+  }
+
+  // Deletes all that Cyclone knows of other hosts: it belongs to the domain.
+  void leave() {
+    dds_delete(domain_ > 0 ? domain_ : participant_);
+    const std::lock_guard lock{mutex_};
+    domain_ = participant_ = participants_ = writer_ = reader_ = 0;
+  }
+
+  void create_participant() {
+    const Qos announced;
+    const std::string announcement = announcement_of(id(), options_);
+    dds_qset_userdata(announced.qos, announcement.data(), announcement.size());
+    participant_ =
+        checked(dds_create_participant(options_.domain, announced.qos, nullptr), "participant");
+    participants_ = checked(
+        dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
+        "reader of participants");
+  }
+
+  void create_topic() {
     const Qos of_ring, reliable;
-    const char* partition = ring.c_str();
+    const char* partition = options_.ring.c_str();
     dds_qset_partition(of_ring.qos, 1, &partition);
     dds_qset_reliability(reliable.qos, DDS_RELIABILITY_RELIABLE, kLongestBlock);
     dds_qset_history(reliable.qos, DDS_HISTORY_KEEP_ALL, 0);
@@ -142,14 +231,19 @@ class CycloneCarrier final : public Carrier {
     const dds_entity_t subscriber =
         checked(dds_create_subscriber(participant_, of_ring.qos, nullptr), "subscriber");
     writer_ = checked(dds_create_writer(publisher, topic, reliable.qos, nullptr), "writer");
-    reader_ = checked(dds_create_reader(subscriber, topic, reliable.qos, nullptr), "reader");
+    const dds_entity_t reader =
+        checked(dds_create_reader(subscriber, topic, reliable.qos, nullptr), "reader");
+    {
+      const std::lock_guard lock{mutex_};
+      reader_ = reader;
+    }
     dds_listener_t* const listener = dds_create_listener(this);
     dds_lset_data_available(listener, [](dds_entity_t, void* carrier) {
       auto& self = *static_cast<CycloneCarrier*>(carrier);
       const std::lock_guard lock{self.mutex_};
       if (self.handle_) self.hand_over();
     });
-    dds_set_listener(reader_, listener);
+    dds_set_listener(reader, listener);
     dds_delete_listener(listener);
   }
 
@@ -170,12 +264,20 @@ class CycloneCarrier final : public Carrier {
     }
   }
 
-  std::mutex mutex_;  ///< of the handler and the reader
+  CycloneOptions options_;
+  std::atomic<bool> is_leaving_{false};  ///< nothing is sent, so that no sender keeps the lock
+  std::mutex sending_;                   ///< of the writer
+  std::mutex mutex_;                     ///< of the handler and the reader
   Handler handle_;
-  dds_entity_t participant_ = 0, writer_ = 0, reader_ = 0;
+  dds_entity_t domain_ = 0, participant_ = 0, participants_ = 0, writer_ = 0, reader_ = 0;
 };
 
 }  // namespace
+
+Carrier::Carrier() {
+  std::random_device random;
+  id_ = std::uint64_t{random()} << 32U | random() | 1U;
+}
 
 std::unique_ptr<Carrier> make_cyclone_carrier(const CycloneOptions& options) {
   return std::make_unique<CycloneCarrier>(options);

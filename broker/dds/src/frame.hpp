@@ -13,7 +13,7 @@
 
 namespace rths::dds {
 
-inline constexpr std::uint16_t kFrameVersion = 2;
+inline constexpr std::uint16_t kFrameVersion = 3;
 /// Largest frame [B]: below the 64 KiB of a UDP datagram.
 inline constexpr std::size_t kLargestFrame = 60'000;
 

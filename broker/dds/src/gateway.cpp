@@ -2,21 +2,16 @@
 #include <rths/dds/gateway.hpp>
 
 #include <algorithm>
-#include <random>
 #include <thread>
 #include <utility>
 
+#include "contact.hpp"
 #include "inbox.hpp"
 #include "outbox.hpp"
 #include "shared.hpp"
 
 namespace rths::dds {
 namespace {
-
-HostId new_host_id() {
-  std::random_device random;
-  return (HostId{random()} << 32U | random()) | 1U;
-}
 
 // One more than the largest NodeId.
 std::size_t ids_of(const memmap::Map& map) {
@@ -31,7 +26,7 @@ std::size_t ids_of(const memmap::Map& map) {
 struct Gateway::State {
   State(const std::string& ring, std::unique_ptr<Carrier> with, GatewayOptions options)
       : carrier{std::move(with)} {
-    shared.host = new_host_id();
+    shared.host = carrier->id();
     shared.options = std::move(options);
     shared.carrier = carrier.get();
     const auto attached = broker::Ring::attach(ring);
@@ -45,9 +40,11 @@ struct Gateway::State {
     inbox = std::make_unique<Inbox>(ring, shared);
     sender = std::thread{[this] { outbox->run(); }};
     receiver = std::thread{[this] { inbox->run(); }};
+    keeper = std::thread{[this] { Contact{shared}.run(); }};
   }
   ~State() {
     shared.ends = true;
+    keeper.join();
     sender.join();
     receiver.join();
   }
@@ -59,7 +56,7 @@ struct Gateway::State {
   std::unique_ptr<Cards> cards;
   std::unique_ptr<Outbox> outbox;
   std::unique_ptr<Inbox> inbox;
-  std::thread sender, receiver;
+  std::thread sender, receiver, keeper;
 };
 
 Gateway::Gateway(const std::string& ring, std::unique_ptr<Carrier> carrier, GatewayOptions options)
@@ -81,7 +78,8 @@ GatewayCounts Gateway::counts() const {
           c.lapped,
           c.interrupts_sent,
           c.interrupts_lost,
-          c.hold_off_ns};
+          c.hold_off_ns,
+          c.rejoins};
 }
 
 GatewayStatus Gateway::status() const {

@@ -36,17 +36,28 @@ struct Received {
   std::uint64_t expected = 0;  ///< number of the next update
 };
 
+/// A host that did not leave and of which nothing arrives.
+struct Missed {
+  std::string host;     ///< name, at most 63 bytes
+  Duration silence{0};  ///< since its last announcement
+};
+
 /// Payload of a Hello.
 struct Hello {
   std::string host;       ///< name, at most 63 bytes
   Duration real_time{0};  ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
   std::vector<Announced> nodes;
   std::vector<Received> received;
-  std::vector<Echo> echoes;
+  std::vector<Echo> echoes;  ///< of the hosts whose announcements arrive
+  std::vector<Missed> missed;
+  bool is_last = false;  ///< the sender ends in order
 };
 [[nodiscard]] std::vector<std::byte> to_bytes(const Hello& hello);
-/// Empty if the bytes are malformed.
+/// Empty if the bytes are malformed. Its names are printable.
 [[nodiscard]] std::optional<Hello> hello_from(std::span<const std::byte> bytes);
+
+/// The name with '?' in place of bytes that cannot be printed.
+[[nodiscard]] std::string printable(std::string name);
 
 /// Payload of a Request: updates [header.first, end) of the stream of `host`; end 0: a snapshot.
 struct Request {

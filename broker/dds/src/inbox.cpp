@@ -17,6 +17,8 @@ constexpr Duration kPatience = std::chrono::milliseconds{10};
 constexpr Duration kSilence = std::chrono::seconds{1};  // then a host is not listed any more
 constexpr std::size_t kMostWaiting = 4096;              // frames behind a gap
 constexpr std::size_t kMostRemoteHosts = 64;
+constexpr std::size_t kMostVisitors = 16;
+constexpr std::size_t kMostHeard = 1024;
 constexpr Duration kStatusPeriod = std::chrono::milliseconds{10};
 constexpr Duration kLost = std::chrono::seconds{10};
 constexpr Duration kWrongClock = std::chrono::seconds{1};
@@ -62,6 +64,7 @@ void Inbox::receive(std::span<const std::byte> bytes) {
   if (!frame) return bad_frame(fmt::format("a frame was dropped: {}", to_text(defect)));
   if (frame->header.host == shared_.host) return;
   if (frame->header.map_hash == 0) return receive_visitor(*frame);
+  note_arrival(frame->header.host);
   if (frame->header.map_hash != shared_.map_hash) {
     const auto hello =
         frame->header.kind == FrameKind::Hello ? hello_from(frame->payload) : std::nullopt;
@@ -83,7 +86,12 @@ void Inbox::receive(std::span<const std::byte> bytes) {
 // A program without a map asks for the time: see network.hpp.
 void Inbox::receive_visitor(const Frame& frame) {
   if (frame.header.kind != FrameKind::Hello) return;
-  visitor_ = {frame.header.host, TimePoint{frame.header.sent}, now_};
+  if (visitors_.size() == kMostVisitors && visitors_.count(frame.header.host) == 0) return;
+  visitors_[frame.header.host] = {frame.header.host, TimePoint{frame.header.sent}, now_};
+}
+
+void Inbox::note_arrival(HostId host) {
+  if (heard_.size() < kMostHeard || heard_.count(host) != 0) heard_[host] = now_;
 }
 
 void Inbox::receive_hello(const Frame& frame) {
@@ -92,11 +100,13 @@ void Inbox::receive_hello(const Frame& frame) {
   const HostId id = frame.header.host;
   if (hosts_.count(id) == 0) {
     if (hosts_.size() == kMostRemoteHosts) return bad_frame("a frame was dropped: too many hosts");
-    newest_host_ = now_;
+    newest_host_ = hosts_[id].came = now_;
     shared_.report(fmt::format("host '{}' is here", hello->host));
   }
   Host& host = hosts_[id];
   host.name = hello->host;
+  host.has_ended = hello->is_last;
+  lost_.erase(host.name);
   compare_clocks(host, *hello, TimePoint{frame.header.sent});
   host.confirmed.clear();
   for (const auto& stream : hello->received)
@@ -110,7 +120,10 @@ void Inbox::compare_clocks(Host& host, const Hello& hello, TimePoint sent) {
   host.arrival = now_;
   host.announced = sent;
   for (const auto& echo : hello.echoes)
-    if (echo.host == shared_.host) host.clock.add(echo.sent, echo.received, sent, now_);
+    if (echo.host == shared_.host) {
+      host.clock.add(echo.sent, echo.received, sent, now_);
+      host.reached = std::max(host.reached, std::min(echo.sent, now_));
+    }
   const auto clock = host.clock.at(now_);
   if (!clock) return;
   host.real_time_ahead = hello.real_time + clock->offset - real_time_offset();
@@ -134,13 +147,14 @@ void Inbox::publish_status(TimePoint now) {
   GatewayStatus status;
   std::vector<Echo> echoes;
   for (const auto& [id, host] : hosts_) {
-    if (now - host.arrival > kSilence) continue;
+    if (now - host.arrival > kSilence || host.has_ended) continue;
     RemoteHost remote{host.name, now - host.arrival, {}, host.real_time_ahead};
     if (const auto clock = host.clock.at(now)) remote.clock = {clock->offset, clock->error};
     status.hosts.push_back(std::move(remote));
     echoes.push_back({id, host.announced, host.arrival});
   }
-  if (visitor_.host != 0 && now - visitor_.received < kSilence) echoes.push_back(visitor_);
+  std::erase_if(visitors_, [&](const auto& one) { return now - one.second.received > kSilence; });
+  for (const auto& [id, visitor] : visitors_) echoes.push_back(visitor);
   for (const auto& [id, stream] : streams_) {
     const auto host = hosts_.find(stream->host);
     const auto clock = host == hosts_.end() ? std::nullopt : host->second.clock.at(now);
@@ -164,11 +178,40 @@ void Inbox::publish_positions() {
     owners[id] = stream->host;
   }
   for (const auto& [id, host] : hosts_) confirmed[id] = host.confirmed;
+  std::erase_if(heard_, [&](const auto& one) { return now_ - one.second > kLost; });
+  auto missing = missed();
+  auto all_heard = heard();
   const std::lock_guard lock{shared_.mutex};
   shared_.received = std::move(received);
   shared_.owners = std::move(owners);
   shared_.confirmed = std::move(confirmed);
   shared_.newest_host = newest_host_;
+  shared_.heard = std::move(all_heard);
+  shared_.missed = std::move(missing);
+}
+
+std::map<HostId, Heard> Inbox::heard() const {
+  std::map<HostId, Heard> heard;
+  for (const auto& [id, last] : heard_) heard[id].last = last;
+  for (const auto& [id, host] : hosts_)
+    if (heard.count(id) != 0) heard[id] = {heard[id].last, host.came, host.reached, host.name};
+  return heard;
+}
+
+std::vector<Missed> Inbox::missed() const {
+  std::vector<Missed> missed;
+  for (const auto& [name, arrival] : lost_) missed.push_back({name, now_ - arrival});
+  for (const auto& [id, host] : hosts_)
+    if (now_ - host.arrival > kSilence && !host.has_ended && !has_restarted(id, host))
+      missed.push_back({host.name, now_ - host.arrival});
+  return missed;
+}
+
+bool Inbox::has_restarted(HostId id, const Host& host) const {
+  return std::any_of(hosts_.begin(), hosts_.end(), [&](const auto& other) {
+    return other.first != id && other.second.name == host.name &&
+           other.second.arrival > host.arrival;
+  });
 }
 
 void Inbox::close_streams_that_left(HostId host, const Hello& hello) {
@@ -428,12 +471,12 @@ void Inbox::forget_lost_hosts() {
       ++host;
       continue;
     }
-    const bool has_restarted = std::any_of(hosts_.begin(), hosts_.end(), [&](const auto& other) {
-      return other.first != host->first && other.second.name == host->second.name;
-    });
-    if (!has_restarted)
-      shared_.report(fmt::format("host '{}' is silent for {:.0f} s; its nodes have left",
-                                 host->second.name, to_seconds(kLost)));
+    const auto& [id, its] = *host;
+    if (!has_restarted(id, its)) {
+      shared_.report(fmt::format("host '{}' is silent for {:.0f} s; its nodes have left", its.name,
+                                 to_seconds(kLost)));
+      if (!its.has_ended && lost_.size() < kMostRemoteHosts) lost_[its.name] = its.arrival;
+    }
     close_streams_that_left(host->first, {});
     host = hosts_.erase(host);
   }

@@ -61,22 +61,30 @@ class Inbox {
   };
   struct Host {
     std::string name;
+    TimePoint came{0};       ///< arrival of its first announcement
     TimePoint arrival{0};    ///< arrival of its last announcement
+    TimePoint reached{0};    ///< when we sent the last announcement that it has confirmed
     TimePoint announced{0};  ///< when that was sent, on its clock
     Duration real_time_ahead{0};
     ClockOffset clock;
     bool has_wrong_clock = false;  ///< reported
+    bool has_ended = false;        ///< in order
     Shared::Confirmed confirmed;
   };
 
   void receive_hello(const Frame& frame);
   void receive_visitor(const Frame& frame);
+  void note_arrival(HostId host);
   void compare_clocks(Host& host, const Hello& hello, TimePoint sent);
   /// Notes that the words are here as they were on their host at this time of its clock.
   void note_time(Stream& stream, TimePoint sent);
   void publish_status(TimePoint now);
   /// How far this host has the streams of others, and the others those of this host.
   void publish_positions();
+  [[nodiscard]] std::map<HostId, Heard> heard() const;
+  /// Hosts that did not end in order and whose announcements do not arrive.
+  [[nodiscard]] std::vector<Missed> missed() const;
+  [[nodiscard]] bool has_restarted(HostId id, const Host& host) const;
   void announce(HostId host, const std::string& name, const Announced& announced, TimePoint sent);
   void forget_lost_hosts();
   void close_streams_that_left(HostId host, const Hello& hello);
@@ -111,7 +119,9 @@ class Inbox {
   TimePoint now_{0};
   std::map<std::uint16_t, std::unique_ptr<Stream>> streams_;  ///< by NodeId: one owner per node
   std::map<HostId, Host> hosts_;
-  Echo visitor_;  ///< the last one; host 0: none
+  std::map<HostId, Echo> visitors_;
+  std::map<HostId, TimePoint> heard_;      ///< last arrivals, also with another map
+  std::map<std::string, TimePoint> lost_;  ///< hosts, with their last arrival
   Signals signals_;
   TimePoint published_{0};
   TimePoint newest_host_{0};                            ///< when a host came

@@ -79,7 +79,10 @@ std::vector<std::byte> greeting() {
   header.host = kVisitor;
   header.sent = WallClock{}.now().count();
   FrameWriter frame{header};
-  frame.add_bytes(to_bytes({"visitor", real_time_offset(), {}, {}, {}}));
+  Hello hello;
+  hello.host = "visitor";
+  hello.real_time = real_time_offset();
+  frame.add_bytes(to_bytes(hello));
   return frame.finish();
 }
 

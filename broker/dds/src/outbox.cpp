@@ -63,6 +63,7 @@ void Outbox::run() {
     static_cast<void>(take_write(std::min(hello_, now_ + kLongestIdle)));
   }
   flush_all();
+  send_hello(true);
 }
 
 void Outbox::do_periodic_work() {
@@ -331,14 +332,16 @@ void Outbox::find_local_nodes() {
   }
 }
 
-void Outbox::send_hello() {
+void Outbox::send_hello(bool is_last) {
   Hello hello;
+  hello.is_last = is_last;
   hello.host = shared_.options.host;
   hello.real_time = real_time_offset();
   {
     const std::lock_guard lock{shared_.mutex};
     hello.echoes = shared_.echoes;
     hello.received = shared_.received;
+    hello.missed = shared_.missed;
   }
   for (const auto& [id, stream] : streams_)
     if (stream.announced) hello.nodes.push_back({id, stream.next, reader_.beats_of(stream.node)});

@@ -87,7 +87,8 @@ class Outbox {
   /// True if a host has confirmed all writes before this number. The mutex is held.
   [[nodiscard]] bool has(HostId host, const Stream& stream, std::uint64_t number) const;
   void find_local_nodes();
-  void send_hello();
+  /// @param is_last  this gateway ends
+  void send_hello(bool is_last = false);
   void send_digest();
   void answer();
   void answer(Stream& stream, const Asked& asked);

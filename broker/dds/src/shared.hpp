@@ -33,7 +33,16 @@ struct Asked {
 struct AtomicCounts {
   std::atomic<std::uint64_t> frames_sent{0}, updates_sent{0}, frames_received{0},
       updates_received{0}, bad_frames{0}, repeated{0}, gaps{0}, sent_again{0}, snapshots{0},
-      mismatches{0}, lapped{0}, interrupts_sent{0}, interrupts_lost{0}, hold_off_ns{0};
+      mismatches{0}, lapped{0}, interrupts_sent{0}, interrupts_lost{0}, hold_off_ns{0}, rejoins{0};
+};
+
+/// When frames of another host arrived, and ours there. On the clock of this host.
+struct Heard {
+  TimePoint last{0};
+  // Only of a host with our map, after its first announcement:
+  TimePoint came{0};     ///< arrival of that
+  TimePoint reached{0};  ///< when we sent the last announcement that it has confirmed
+  std::string name;
 };
 
 struct Shared {
@@ -60,6 +69,8 @@ struct Shared {
   std::map<HostId, Confirmed> confirmed;   ///< of all other hosts
   std::map<std::uint16_t, HostId> owners;  ///< of the nodes of other hosts
   TimePoint newest_host{0};                ///< when the last other host came
+  std::map<HostId, Heard> heard;           ///< of all other hosts of late
+  std::vector<Missed> missed;
   GatewayStatus status;
 
   void report(const std::string& line) const {

@@ -29,6 +29,7 @@ struct GatewayCounts {
   std::uint64_t interrupts_sent = 0;  ///< of GT cards
   std::uint64_t interrupts_lost = 0;  ///< overwritten before, or from a card without a node
   std::uint64_t hold_off_ns = 0;      ///< time during which sending blocked
+  std::uint64_t rejoins = 0;          ///< times it joined the network anew, as a host was silent
 };
 
 /// Another host, as its announcements show it.
@@ -72,7 +73,7 @@ struct GatewayOptions {
 ///
 /// A node that joins here belongs to this host. A node that another host announces is joined here
 /// on its behalf until it leaves there. Writes of one node arrive once, whole, and in its order.
-/// Two threads, begun and ended with this object; not for real-time threads.
+/// Three threads, begun and ended with this object; not for real-time threads.
 class Gateway {
  public:
   /// @param ring  name of a ring of this host
