@@ -53,16 +53,16 @@ std::string advice(std::uint32_t domain) {
       to_seconds(kListening), domain, first, first + 249);
 }
 
-Json document(const std::vector<dds::Interface>& interfaces,
-              const std::vector<dds::FoundGateway>& gateways) {
-  Json json = {{"interfaces", Json::array()}, {"gateways", Json::array()}};
+Json document(const std::vector<dds::Interface>& interfaces, const dds::FoundDomain& found) {
+  Json json = {
+      {"interfaces", Json::array()}, {"gateways", Json::array()}, {"faults", found.faults}};
   for (const auto& one : interfaces)
     json["interfaces"].push_back({{"name", one.name},
                                   {"address", one.address},
                                   {"up", one.is_up},
                                   {"multicast", one.has_multicast},
                                   {"mtu", one.mtu}});
-  for (const auto& one : gateways) {
+  for (const auto& one : found.gateways) {
     Json gateway = {{"host", one.host.name},
                     {"map_hash", memmap::hash_text(one.map_hash)},
                     {"nodes", one.nodes},
@@ -85,18 +85,21 @@ int doctor_of_network(const DoctorArguments& arguments) {
   network.interface = arguments.interface;
   network.peers = arguments.peers;
   const auto interfaces = dds::interfaces();
-  const auto gateways = dds::listen_for_gateways(network, kListening);
-  const bool is_found = !gateways.empty();
+  const auto found = dds::listen_for_gateways(network, kListening);
+  const bool is_any = !found.gateways.empty();
+  const int code = is_any && found.faults.empty() ? kOk : kConditionNotMet;
   if (arguments.format == "json") {
-    fmt::print("{}\n", document(interfaces, gateways).dump());
-    return is_found ? kOk : kConditionNotMet;
+    fmt::print("{}\n", document(interfaces, found).dump());
+    return code;
   }
   fmt::print("interfaces:\n");
   for (const auto& interface : interfaces) fmt::print("{}", describe(interface));
-  if (is_found) fmt::print("gateways in domain {}:\n", network.domain);
-  for (const auto& gateway : gateways) fmt::print("{}", describe(gateway));
-  if (!is_found) fmt::print("{}", advice(network.domain));
-  return is_found ? kOk : kConditionNotMet;
+  if (is_any) fmt::print("gateways in domain {}:\n", network.domain);
+  for (const auto& gateway : found.gateways) fmt::print("{}", describe(gateway));
+  if (!found.faults.empty()) fmt::print("faults:\n");
+  for (const auto& fault : found.faults) fmt::print("  {}\n", fault);
+  if (!is_any) fmt::print("{}", advice(network.domain));
+  return code;
 }
 
 }  // namespace rths::app

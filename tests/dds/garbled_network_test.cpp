@@ -136,6 +136,32 @@ TEST_F(GarbledNetwork, IsJoinedAnewAfterItSplitForGood) {
               *std::max_element(times.begin(), times.end()));
 }
 
+TEST_F(GarbledNetwork, IsExaminedByTheDoctorWhileAHostIsCutOff) {
+  EXPECT_EQ(doctor(0).exit_code, 0);
+  test::SwitchFaults faults;
+  faults.cut = {3};
+  switch_.set(faults);
+  std::this_thread::sleep_for(kNoticed);
+  const auto here = doctor(0), there = doctor(2);
+  EXPECT_EQ(here.exit_code, 1) << here.out;
+  EXPECT_NE(here.out.find("host 'host1' has received nothing of host 'host3' for"),
+            std::string::npos)
+      << here.out;
+  EXPECT_EQ(there.exit_code, 1) << there.out;
+  EXPECT_NE(there.out.find("host 'host3' has received nothing of host 'host1' for"),
+            std::string::npos)
+      << there.out;
+  static_cast<void>(heal());
+  EXPECT_EQ(doctor(0).exit_code, 0);
+
+  kill(gateways_[1]->pid(), SIGTERM);
+  EXPECT_EQ(gateways_[1]->wait(10).exit_code, 0);
+  std::this_thread::sleep_for(kNoticed);
+  const auto left = doctor(0);
+  EXPECT_EQ(left.exit_code, 0) << "a host that ended in order is no fault: " << left.out;
+  gateways_.erase(gateways_.begin() + 1);
+}
+
 /// Faults of a random kind and strength.
 test::SwitchFaults draw_faults(std::mt19937_64& random) {
   std::uniform_real_distribution<double> share{0.02, 0.4};

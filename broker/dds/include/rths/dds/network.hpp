@@ -28,9 +28,14 @@ struct FoundGateway {
   std::uint64_t map_hash = 0;
   std::size_t nodes = 0;  ///< on its host
 };
+/// The gateways of a domain.
+struct FoundDomain {
+  std::vector<FoundGateway> gateways;
+  /// Hosts of a ring that do not receive each other or this host, a sentence each. Empty: all do.
+  std::vector<std::string> faults;
+};
 /// Listens for the gateways of a domain, of any ring, and compares clocks with them.
 /// @throws Error if DDS cannot start   @setup
-[[nodiscard]] std::vector<FoundGateway> listen_for_gateways(CycloneOptions network,
-                                                            Duration listening);
+[[nodiscard]] FoundDomain listen_for_gateways(CycloneOptions network, Duration listening);
 
 }  // namespace rths::dds
