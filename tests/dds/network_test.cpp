@@ -11,6 +11,8 @@
 #include <fstream>
 #include <random>
 #include <regex>
+#include <set>
+#include <sstream>
 #include <thread>
 
 #include <fmt/format.h>
@@ -161,6 +163,68 @@ TEST_F(TwoHosts, IgnoreTheSharedMemoryOfOtherSoftware) {
     std::filesystem::remove_all(folder.path() / "out");
   }
   unsetenv("CYCLONEDDS_URI");
+}
+
+// The sockets of a process: lines of `ss`.
+std::vector<std::string> sockets_of(int host, int pid) {
+  const auto listed =
+      test::Running{{"/bin/sh", "-c", test::Network::on(host) + "ss -lunpH"}}.wait(10);
+  std::istringstream lines{listed.out};
+  std::vector<std::string> sockets;
+  for (std::string line; std::getline(lines, line);)
+    if (line.find(fmt::format("pid={},", pid)) != std::string::npos) sockets.push_back(line);
+  return sockets;
+}
+
+// Names of the interfaces of a host that are in the multicast group of discovery, 239.255.0.1.
+std::set<std::string> interfaces_in_group(int host) {
+  const auto listed =
+      test::Running{{"/bin/sh", "-c", test::Network::on(host) + "cat /proc/net/igmp"}}.wait(10);
+  std::istringstream lines{listed.out};
+  std::set<std::string> interfaces;
+  std::string interface;
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words{line};
+    std::string first, second;
+    words >> first >> second;
+    if (line[0] != '\t') interface = second;
+    if (first == "0100FFEF") interfaces.insert(interface);
+  }
+  return interfaces;
+}
+
+TEST_F(TwoHosts, ReceiveOnlyOnTheStatedInterface) {
+  ASSERT_TRUE(test::Network::configure(1, "link add eth1 type veth peer name eth1_peer") &&
+              test::Network::configure(1, "addr add 10.78.0.1/24 dev eth1") &&
+              test::Network::configure(1, "link set eth1 up") &&
+              test::Network::configure(1, "link set eth1_peer up"));
+  const test::RingHost first{"first", test::small_map()};
+  const test::TemporaryFolder folder;
+  const std::string file = (folder.path() / "interface.xml").string();
+  std::ofstream{file} << "<CycloneDDS><Domain Id=\"any\"><General><Interfaces><NetworkInterface "
+                         "name=\"eth1\"/></Interfaces></General></Domain></CycloneDDS>";
+  const std::vector<std::array<std::string, 3>> cases{
+      {"", "--interface eth1", "eth1"},
+      {"", "--interface 10.78.0.1", "eth1"},
+      {"", "--interface eth0", "eth0"},
+      {"", "--interface eth0 --peer 10.77.0.2", "eth0"},
+      {"CYCLONEDDS_URI=file://" + file, "", "eth1"},
+  };
+  for (const auto& [variable, options, interface] : cases) {
+    const test::Running gateway{
+        {"/bin/sh", "-c",
+         fmt::format("{} exec {}{} bridge {} --domain 7 {}", variable, network_.on(1),
+                     test::rths_command(), first.ring_name(), options)}};
+    std::vector<std::string> sockets;
+    ASSERT_TRUE(comes_true([&] { return (sockets = sockets_of(1, gateway.pid())).size() >= 2; }))
+        << options;
+    std::this_thread::sleep_for(std::chrono::milliseconds{200});
+    for (const auto& socket : sockets_of(1, gateway.pid()))
+      EXPECT_NE(socket.find("%" + interface + ":"), std::string::npos) << options << socket;
+    if (options.find("--peer") == std::string::npos) {
+      EXPECT_EQ(interfaces_in_group(1), std::set<std::string>{interface}) << options;
+    }
+  }
 }
 
 // Each round writes while the gateway dies at a random moment, and then measures until a new

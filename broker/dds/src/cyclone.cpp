@@ -15,9 +15,11 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
 #include <rths/dds/carrier.hpp>
 
 #include "frame.h"
+#include "sockets.hpp"
 
 namespace rths::dds {
 namespace {
@@ -187,10 +189,13 @@ class CycloneCarrier final : public Carrier {
  private:
   // A domain has one configuration per process; a second carrier uses it too.
   void join() {
+    const auto sockets = udp_sockets();
     domain_ = dds_create_domain(options_.domain, configuration_of(options_).c_str());
     if (domain_ < 0 && domain_ != DDS_RETCODE_PRECONDITION_NOT_MET) fail_to_start(domain_);
     try {
       create_participant();
+      const std::string unbound = bind_new_sockets(sockets);
+      if (!unbound.empty()) write_message(fmt::format("rths: {}\n", unbound));
       create_topic();
     } catch (...) {
       leave();

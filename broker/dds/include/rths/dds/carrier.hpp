@@ -56,7 +56,8 @@ struct CycloneOptions {
   std::string ring;                ///< hosts with the same name exchange data; "*": any ring
   std::string host;                ///< name of this host; empty: it is not announced
 };
-/// A carrier over Cyclone DDS. CYCLONEDDS_URI may name files with more settings.
+/// A carrier over Cyclone DDS. CYCLONEDDS_URI may name files with more settings. Its IPv4 sockets
+/// are bound to the network interface in use, if it is one.
 /// @throws Error if DDS cannot start, with its reason   @setup
 [[nodiscard]] std::unique_ptr<Carrier> make_cyclone_carrier(const CycloneOptions& options);
 
