@@ -19,6 +19,7 @@
 #include <rths/dds/carrier.hpp>
 
 #include "frame.h"
+#include "hello.hpp"
 #include "sockets.hpp"
 
 namespace rths::dds {
@@ -127,6 +128,14 @@ dds_entity_t checked(dds_entity_t entity, const char* what) {
   throw Error{fmt::format("DDS: the domain cannot be created: {}", dds_strretcode(-reason))};
 }
 
+// Damaged datagrams make hundreds of warnings. `Tracing` in the settings writes them all to a file.
+void print_errors_and_first_warning(void* is_warned, const dds_log_data_t* line) {
+  const bool is_warning = (line->priority & DDS_LC_WARNING) != 0;
+  if (is_warning && static_cast<std::atomic<bool>*>(is_warned)->exchange(true)) return;
+  write_message(fmt::format("rths: DDS: {}{}\n", printable({line->message, line->size}),
+                            is_warning ? "; further warnings are not printed" : ""));
+}
+
 struct Qos {
   dds_qos_t* qos = dds_create_qos();
   ~Qos() { dds_delete_qos(qos); }
@@ -134,7 +143,11 @@ struct Qos {
 
 class CycloneCarrier final : public Carrier {
  public:
-  explicit CycloneCarrier(CycloneOptions options) : options_{std::move(options)} { join(); }
+  explicit CycloneCarrier(CycloneOptions options) : options_{std::move(options)} {
+    static std::atomic<bool> is_warned{false};
+    dds_set_log_sink(print_errors_and_first_warning, &is_warned);
+    join();
+  }
   ~CycloneCarrier() override { leave(); }
 
   bool send(std::span<const std::byte> bytes) override {
