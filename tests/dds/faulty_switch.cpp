@@ -128,12 +128,12 @@ void FaultySwitch::damage(Packet& packet) {
 
 // All packets go to all other hosts: there are few.
 void FaultySwitch::deliver(std::size_t from, const Packet& packet) const {
-  const auto is_cut = [&](std::size_t host) {
-    return faults_.cut.contains(static_cast<int>(host) + 1);
+  const auto is_in = [](const std::set<int>& hosts, std::size_t host) {
+    return hosts.contains(static_cast<int>(host) + 1);
   };
-  if (is_cut(from)) return;
+  if (is_in(faults_.cut, from)) return;
   for (std::size_t host = 0; host < sockets_.size(); ++host)
-    if (host != from && !is_cut(host))
+    if (host != from && !is_in(faults_.cut, host) && !is_in(faults_.deaf, host))
       static_cast<void>(write(sockets_[host], packet.data(), packet.size()));
 }
 

@@ -13,11 +13,12 @@
 
 namespace rths::test {
 
-/// Faults of a switch: shares of the datagrams, and the hosts that are cut off.
+/// Faults of a switch: shares of the datagrams, and hosts.
 struct SwitchFaults {
   double garbling = 0;  ///< one to four bits each; the checksum of UDP stays valid
   double loss = 0, duplication = 0, reordering = 0;
-  std::set<int> cut = {};  ///< hosts, from 1 on
+  std::set<int> cut = {};   ///< hosts, from 1 on
+  std::set<int> deaf = {};  ///< hosts that send, but receive nothing
 };
 
 /// An Ethernet switch that damages datagrams. Its thread carries packets between the ports of a

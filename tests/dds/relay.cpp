@@ -27,6 +27,7 @@ class Relay::Port final : public dds::Carrier {
     }};
   }
   std::vector<dds::PresentHost> present() override { return relay_->present(index_); }
+  std::uint64_t damaged() const override { return 0; }
   void rejoin() override { relay_->rejoin(index_); }
 
  private:

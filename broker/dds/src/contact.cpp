@@ -21,8 +21,8 @@ constexpr Duration kLongestSilence = std::chrono::milliseconds{2500};
 constexpr Duration kLongestUnconfirmed = std::chrono::milliseconds{3500};
 constexpr Duration kFresh = std::chrono::seconds{1};
 constexpr Duration kJitter = std::chrono::milliseconds{300};
-constexpr int kQuickAttempts = 8;
-constexpr int kMostDoublings = 4;
+constexpr int kQuickAttempts = 3;
+constexpr int kMostDoublings = 10;  // 43 min
 
 }  // namespace
 
@@ -39,7 +39,10 @@ void Contact::look(TimePoint now) {
   looked_ = now;
   const std::string reason = trouble(now);
   if (!reason.empty() && now >= next_) return rejoin(reason);
-  if (is_in_contact_ || (reason.empty() && now - joined_ > kLongestUnconfirmed)) attempts_ = 0;
+  if (is_in_contact_ || (reason.empty() && now - joined_ > kLongestUnconfirmed)) {
+    attempts_ = 0;
+    is_reported_ = false;
+  }
 }
 
 std::string Contact::trouble(TimePoint now) {
@@ -89,11 +92,13 @@ std::string Contact::deaf_host(const AllHeard& heard, TimePoint now) const {
   return "";
 }
 
-// Each attempt loses the frames on their way, so attempts become rare if they do not help.
+// Each attempt interrupts the contact with all hosts, so attempts become rare if they do not help:
+// the reason may be a firewall. New damage can spoil each attempt, so it justifies another one.
 void Contact::rejoin(const std::string& reason) {
-  if (attempts_ == 0 && !is_off_)
-    shared_.report(fmt::format("{}; this host joins the network anew", reason));
-  ++attempts_;
+  if (!is_reported_) shared_.report(fmt::format("{}; this host joins the network anew", reason));
+  is_reported_ = true;
+  const std::uint64_t damaged = shared_.carrier->damaged();
+  attempts_ = std::exchange(damaged_, damaged) == damaged && !is_off_ ? attempts_ + 1 : 1;
   ++shared_.counts.rejoins;
   try {
     shared_.carrier->rejoin();

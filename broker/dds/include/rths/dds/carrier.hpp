@@ -40,6 +40,8 @@ class Carrier {
   /// The other gateways of this ring that run and can be reached, also if none of their bytes
   /// arrive.
   [[nodiscard]] virtual std::vector<PresentHost> present() = 0;
+  /// Number of damaged datagrams that arrived so far, as far as the network noticed.
+  [[nodiscard]] virtual std::uint64_t damaged() const = 0;
   /// Leaves the network and joins it anew, without its records of the other hosts, which damaged
   /// datagrams may have spoilt. Bytes on their way are lost. Blocks for a second at most.
   /// @throws Error if it cannot join; it carries nothing until another call succeeds
