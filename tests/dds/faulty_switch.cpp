@@ -126,15 +126,16 @@ void FaultySwitch::damage(Packet& packet) {
   ++garbled_;
 }
 
+bool FaultySwitch::passes(int from, int to) const {
+  return from != to && !faults_.cut.contains(from) && !faults_.cut.contains(to) &&
+         !faults_.deaf.contains(to) && !faults_.apart.contains({from, to});
+}
+
 // All packets go to all other hosts: there are few.
 void FaultySwitch::deliver(std::size_t from, const Packet& packet) const {
-  const auto is_in = [](const std::set<int>& hosts, std::size_t host) {
-    return hosts.contains(static_cast<int>(host) + 1);
-  };
-  if (is_in(faults_.cut, from)) return;
-  for (std::size_t host = 0; host < sockets_.size(); ++host)
-    if (host != from && !is_in(faults_.cut, host) && !is_in(faults_.deaf, host))
-      static_cast<void>(write(sockets_[host], packet.data(), packet.size()));
+  for (std::size_t to = 0; to < sockets_.size(); ++to)
+    if (passes(static_cast<int>(from) + 1, static_cast<int>(to) + 1))
+      static_cast<void>(write(sockets_[to], packet.data(), packet.size()));
 }
 
 }  // namespace rths::test

@@ -17,8 +17,9 @@ namespace rths::test {
 struct SwitchFaults {
   double garbling = 0;  ///< one to four bits each; the checksum of UDP stays valid
   double loss = 0, duplication = 0, reordering = 0;
-  std::set<int> cut = {};   ///< hosts, from 1 on
-  std::set<int> deaf = {};  ///< hosts that send, but receive nothing
+  std::set<int> cut = {};              ///< hosts, from 1 on
+  std::set<int> deaf = {};             ///< hosts that send, but receive nothing
+  std::set<std::set<int>> apart = {};  ///< pairs of hosts that do not receive each other
 };
 
 /// An Ethernet switch that damages datagrams. Its thread carries packets between the ports of a
@@ -44,6 +45,7 @@ class FaultySwitch {
   void carry(std::size_t from, Packet packet);
   void damage(Packet& packet);
   void deliver(std::size_t from, const Packet& packet) const;
+  [[nodiscard]] bool passes(int from, int to) const;
   [[nodiscard]] bool draw(double share);
 
   std::vector<int> sockets_;  ///< by host

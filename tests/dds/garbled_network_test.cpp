@@ -183,6 +183,23 @@ TEST_F(GarbledNetwork, IsExaminedByTheDoctorWhileAHostIsDeaf) {
   EXPECT_EQ(doctor(0).exit_code, 0);
 }
 
+TEST_F(GarbledNetwork, IsExaminedByTheDoctorWhileTwoHostsAreApart) {
+  test::SwitchFaults faults;
+  faults.apart = {{1, 2}};
+  switch_.set(faults);
+  std::this_thread::sleep_for(kNoticed);
+  const auto examined = doctor(2);
+  EXPECT_EQ(examined.exit_code, 1) << examined.out;
+  EXPECT_TRUE(examined.out.find("hosts 'host1' and 'host2' do not receive each other") !=
+                  std::string::npos ||
+              examined.out.find("hosts 'host2' and 'host1' do not receive each other") !=
+                  std::string::npos)
+      << examined.out;
+  EXPECT_EQ(examined.out.find("host3' "), std::string::npos) << examined.out;
+  static_cast<void>(heal());
+  EXPECT_EQ(doctor(2).exit_code, 0);
+}
+
 /// Faults of a random kind and strength.
 test::SwitchFaults draw_faults(std::mt19937_64& random) {
   std::uniform_real_distribution<double> share{0.02, 0.4};

@@ -97,8 +97,7 @@ std::string Contact::deaf_host(const AllHeard& heard, TimePoint now) const {
 void Contact::rejoin(const std::string& reason) {
   if (!is_reported_) shared_.report(fmt::format("{}; this host joins the network anew", reason));
   is_reported_ = true;
-  const std::uint64_t damaged = shared_.carrier->damaged();
-  attempts_ = std::exchange(damaged_, damaged) == damaged && !is_off_ ? attempts_ + 1 : 1;
+  attempts_ = shared_.carrier->damaged() == damaged_ && !is_off_ ? attempts_ + 1 : 1;
   ++shared_.counts.rejoins;
   try {
     shared_.carrier->rejoin();
@@ -106,6 +105,7 @@ void Contact::rejoin(const std::string& reason) {
   } catch (const Error& error) {
     if (!std::exchange(is_off_, true)) shared_.report(error.what());
   }
+  damaged_ = shared_.carrier->damaged();
   joined_ = looked_ = clock_.now();
   const int doublings = std::clamp(attempts_ - kQuickAttempts, 0, kMostDoublings);
   const Duration jitter{std::uniform_int_distribution<Duration::rep>{0, kJitter.count()}(random_)};

@@ -41,7 +41,7 @@ class Contact {
   TimePoint joined_{0};         ///< silence counts from here on
   TimePoint next_{0};           ///< not again before
   int attempts_ = 0;            ///< since all hosts were in contact or a datagram was damaged
-  std::uint64_t damaged_ = 0;   ///< datagrams at the last attempt
+  std::uint64_t damaged_ = 0;   ///< datagrams until the last attempt
   bool is_in_contact_ = false;  ///< with all hosts, since it joined
   bool is_reported_ = false;    ///< since all hosts were in contact
   bool is_off_ = false;         ///< the last attempt failed

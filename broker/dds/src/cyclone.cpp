@@ -26,6 +26,7 @@ namespace rths::dds {
 namespace {
 
 constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
+constexpr dds_duration_t kLongestFarewell = DDS_MSECS(200);
 // A host that died blocks the others for this long; one that was only stopped is found again.
 constexpr const char* kLease = "2 s";
 constexpr std::size_t kSamples = 16;        // taken at once
@@ -149,7 +150,10 @@ class CycloneCarrier final : public Carrier {
     dds_set_log_sink(print_errors_and_first_warning, nullptr);
     join();
   }
-  ~CycloneCarrier() override { leave(); }
+  ~CycloneCarrier() override {
+    dds_wait_for_acks(writer_, kLongestFarewell);
+    leave();
+  }
 
   bool send(std::span<const std::byte> bytes) override {
     if (is_leaving_) return false;
