@@ -50,7 +50,7 @@ std::string advice(std::uint32_t domain) {
       "  a gateway runs with --domain {}, on an interface of the same network (--interface)\n"
       "  no firewall blocks the UDP ports {} to {}\n"
       "  the network carries multicast; if not, name the hosts to each other with --peer\n",
-      to_seconds(kListening), domain, first, first + 249);
+      2 * to_seconds(kListening), domain, first, first + 249);
 }
 
 Json document(const std::vector<dds::Interface>& interfaces, const dds::FoundDomain& found) {

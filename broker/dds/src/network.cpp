@@ -9,6 +9,7 @@
 #include <array>
 #include <fstream>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -190,35 +191,61 @@ std::vector<Interface> interfaces() {
   return result;
 }
 
+namespace {
+
+/// Listens to a domain.
+class Listener {
+ public:
+  explicit Listener(const CycloneOptions& network) : carrier_{make_cyclone_carrier(network)} {
+    carrier_->listen([this](std::span<const std::byte> bytes) { gateways_.add(bytes); });
+  }
+  ~Listener() { carrier_->listen({}); }
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+  /// A number of looks, so that a busy host does not shorten it.
+  void listen(Duration duration) {
+    for (auto looks = duration / kGreetingPeriod; looks > 0; --looks) {
+      static_cast<void>(carrier_->send(greeting(carrier_->id())));
+      std::this_thread::sleep_for(kGreetingPeriod);
+      for (const auto& host : carrier_->present()) since_.try_emplace(host.id, clock_.now());
+    }
+  }
+  [[nodiscard]] FoundDomain domain() {
+    const auto present = carrier_->present();
+    const TimePoint now = clock_.now();
+    const Gateways all = gateways_.all();
+    std::map<HostId, std::string> rings;
+    FoundDomain domain;
+    for (const auto& host : present) {
+      rings[host.id] = host.ring;
+      if (!all.contains(host.id) && now - since_[host.id] > kFirstContact)
+        domain.faults.push_back(fmt::format(
+            "host '{}' is on the network, but none of its frames arrive", printable(host.host)));
+    }
+    for (const auto& [id, gateway] : all) domain.gateways.push_back(found(gateway, now));
+    for (auto& fault : Examination{all, rings, now}.faults())
+      domain.faults.push_back(std::move(fault));
+    return domain;
+  }
+
+ private:
+  WallClock clock_;
+  std::unique_ptr<Carrier> carrier_;
+  FoundGateways gateways_{carrier_->id()};
+  std::map<HostId, TimePoint> since_;  ///< hosts that the network announces
+};
+
+}  // namespace
+
 FoundDomain listen_for_gateways(CycloneOptions network, Duration listening) {
   network.ring = kAnyRing;
-  const auto carrier = make_cyclone_carrier(network);
-  FoundGateways gateways{carrier->id()};
-  carrier->listen([&](std::span<const std::byte> bytes) { gateways.add(bytes); });
-  const WallClock clock;
-  const TimePoint end = clock.now() + listening;
-  std::map<HostId, TimePoint> since;  // hosts that the network announces
-  while (clock.now() < end) {
-    static_cast<void>(carrier->send(greeting(carrier->id())));
-    std::this_thread::sleep_for(kGreetingPeriod);
-    for (const auto& host : carrier->present()) since.try_emplace(host.id, clock.now());
-  }
-  const auto present = carrier->present();
-  carrier->listen({});
-  const TimePoint now = clock.now();
-  const Gateways all = gateways.all();
-  std::map<HostId, std::string> rings;
-  FoundDomain domain;
-  for (const auto& host : present) {
-    rings[host.id] = host.ring;
-    if (!all.contains(host.id) && now - since[host.id] > kFirstContact)
-      domain.faults.push_back(fmt::format(
-          "host '{}' is on the network, but none of its frames arrive", printable(host.host)));
-  }
-  for (const auto& [id, gateway] : all) domain.gateways.push_back(found(gateway, now));
-  for (auto& fault : Examination{all, rings, now}.faults())
-    domain.faults.push_back(std::move(fault));
-  return domain;
+  Listener listener{network};
+  listener.listen(listening);
+  const auto domain = listener.domain();
+  if (!domain.gateways.empty() && domain.faults.empty()) return domain;
+  // Announcements may have been late, on a busy host.
+  listener.listen(listening);
+  return listener.domain();
 }
 
 }  // namespace rths::dds

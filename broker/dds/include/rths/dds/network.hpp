@@ -34,7 +34,8 @@ struct FoundDomain {
   /// Hosts of a ring that do not receive each other or this host, a sentence each. Empty: all do.
   std::vector<std::string> faults;
 };
-/// Listens for the gateways of a domain, of any ring, and compares clocks with them.
+/// Listens for the gateways of a domain, of any ring, and compares clocks with them. Listens twice
+/// as long if it finds none, or a fault.
 /// @throws Error if DDS cannot start   @setup
 [[nodiscard]] FoundDomain listen_for_gateways(CycloneOptions network, Duration listening);
 
