@@ -118,6 +118,13 @@ TEST(Frame, SurvivesRandomPayloads) {
   EXPECT_GT(read, static_cast<std::uint64_t>(cases) / 2);
 }
 
+TEST(Frame, TakesNoMoreMemoryThanItsBytes) {
+  FrameWriter writer{FrameHeader{}};
+  writer.add_word(LongwordOffset{1}, 2);
+  const auto bytes = writer.finish();
+  EXPECT_EQ(bytes.capacity(), bytes.size());
+}
+
 TEST(Frame, AnnouncesNodesWithPrintableNames) {
   Hello sent;
   sent.host = "lab\n2";

@@ -163,6 +163,7 @@ std::vector<std::byte> FrameWriter::finish() {
             0};
   wire.checksum = checksum_of(wire, payload);
   std::memcpy(bytes_.data(), &wire, sizeof wire);
+  bytes_.shrink_to_fit();  // many small frames are kept
   return std::move(bytes_);
 }
 
