@@ -84,7 +84,7 @@ rths_tests(rths_replicated_test "On256Nodes" COST 4)
 # Long with RTHS_LONG=1, and longer on a loaded host.
 rths_tests(rths_real_data_test "^RealData\\." TIMEOUT 900)
 rths_tests(rths_dds_test "^Gateways\\.LoseNothing" TIMEOUT 900)
-rths_tests(rths_bridge_test "^TwoHosts\\.Converge|^VendorHosts" TIMEOUT 1800)
+rths_tests(rths_bridge_test "^TwoHosts\\.Converge|^VendorHosts|^GarbledNetwork" TIMEOUT 1800)
 rths_tests(rths_several_hosts_test "InVirtualTime" TIMEOUT 900)
 rths_tests(rths_diagnosed_run_test "." TIMEOUT 700)
 
