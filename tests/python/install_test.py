@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Installations of the package by pip, without a network, and by CMake."""
-import importlib.util
+"""The installation of the package by CMake; numpy_test.py has those by pip."""
 import os
 import subprocess
 import sys
 
-import pytest
 from conftest import TREE, TWO_SIGNALS
 
 PROGRAM = """
@@ -25,21 +23,6 @@ def run(arguments, **variables):
 def check_import(folder):
     printed = run([sys.executable, "-c", PROGRAM, TWO_SIGNALS], PYTHONPATH=str(folder))
     assert printed == f"{folder}/rths/__init__.py 2000.0\n"
-
-
-def test_pip_installs_the_package_with_its_plugin(tmp_path):
-    missing = [name for name in ("pip", "setuptools", "wheel") if importlib.util.find_spec(name) is None]
-    if missing:
-        pytest.skip(f"needs {', '.join(missing)}")
-    target = tmp_path / "installed"
-
-    run([sys.executable, "-m", "pip", "install", "--no-build-isolation", "--no-index", "--no-deps", "--target", target,
-         TREE / "python"])
-
-    check_import(target)
-    assert "--rths-keep" in run([sys.executable, "-m", "pytest", "--help"], PYTHONPATH=str(target))
-    for name in ("py.typed", "_rths.pyi"):
-        assert (target / "rths" / name).exists()
 
 
 def test_cmake_installs_the_package(tmp_path):
