@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
@@ -22,9 +22,9 @@ using Words = std::vector<std::pair<std::string, std::string>>;
 
 void check_name(const std::string& name) {
   const bool is_identifier =
-      !name.empty() && std::isdigit(static_cast<unsigned char>(name[0])) == 0 &&
+      !name.empty() && !is_digit(name[0]) &&
       std::all_of(name.begin(), name.end(),
-                  [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; });
+                  [](char c) { return is_letter_or_digit(c) || c == '_'; });
   if (!is_identifier)
     throw Error{fmt::format("the adapter's name is '{}', expected letters, digits and '_'", name)};
   if (std::filesystem::exists(name))

@@ -23,10 +23,10 @@ constexpr std::size_t kMostSections = 4;
 
 LowPass::LowPass(int order, double cutoff, double period) {
   if (order < 2 || order > 2 * static_cast<int>(kMostSections) || order % 2 != 0)
-    throw Error{"low-pass: order is " + std::to_string(order) + ", expected 2, 4, 6 or 8"};
+    throw Error{fmt::format("low-pass: order is {}, expected 2, 4, 6 or 8", order)};
   if (!(period > 0) || !(cutoff > 0) || cutoff * period >= 0.5)
-    throw Error{"low-pass: a cut-off of " + std::to_string(cutoff) +
-                " Hz needs a sampling rate above twice that"};
+    throw Error{fmt::format("low-pass: a cut-off of {} Hz needs a sampling rate above twice that",
+                            cutoff)};
   const double k = std::tan(std::numbers::pi * cutoff * period);
   for (int i = 0; i < order / 2; ++i) {
     // Pole pair of the analogue prototype: s² + (1/Q) s + 1.

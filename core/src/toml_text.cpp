@@ -2,13 +2,13 @@
 #include "toml_text.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <variant>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/toml_list.hpp>
 
@@ -71,8 +71,8 @@ std::string quoted(const std::string& text) {
 }
 
 std::string key_of(const std::string& key) {
-  const bool is_bare = !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  const bool is_bare = !key.empty() && std::all_of(key.begin(), key.end(), [](char c) {
+    return is_letter_or_digit(c) || c == '_' || c == '-';
   });
   return is_bare ? key : quoted(key);
 }

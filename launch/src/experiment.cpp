@@ -4,11 +4,11 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
@@ -219,8 +219,8 @@ void read_ring(const Config& file, Experiment& experiment) {
 
 // A part of the names of nodes and signals.
 bool is_host_name(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_';
+  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+    return is_letter_or_digit(c) || c == '_';
   });
 }
 

@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
 
 #include <fmt/format.h>
+
+#include <rths/core/text.hpp>
 
 #include "launcher_link.hpp"
 
@@ -30,10 +31,12 @@ void send_times(const adapters::StepTimes& times) {
 }
 
 void read_times(const std::string& text, adapters::StepTimes& times) {
-  std::istringstream numbers{text};
-  for (double late = 0, duration = 0; numbers >> late >> duration;) {
-    times.late.push_back(static_cast<float>(late * kMicro));
-    times.duration.push_back(static_cast<float>(duration * kMicro));
+  const auto words = cells_of(text, ' ');
+  for (std::size_t i = 0; i + 1 < words.size(); i += 2) {
+    const auto late = number_of(words[i]), duration = number_of(words[i + 1]);
+    if (!late || !duration) return;
+    times.late.push_back(static_cast<float>(*late * kMicro));
+    times.duration.push_back(static_cast<float>(*duration * kMicro));
   }
 }
 

@@ -2,10 +2,10 @@
 #include <rths/memmap/generate.hpp>
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::memmap {
@@ -14,14 +14,13 @@ namespace {
 std::string identifier(const std::string& name) {
   std::string result = name;
   for (char& c : result)
-    if (!std::isalnum(static_cast<unsigned char>(c))) c = '_';
-  if (std::isdigit(static_cast<unsigned char>(result[0]))) result.insert(0, "_");
+    if (!is_letter_or_digit(c)) c = '_';
+  if (is_digit(result[0])) result.insert(0, "_");
   return result;
 }
 
 std::string upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  for (char& c : text) c = rths::upper(c);
   return text;
 }
 

@@ -2,7 +2,6 @@
 #include <rths/memmap/map.hpp>
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <xxhash.h>

@@ -2,13 +2,13 @@
 #include "map_rules.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <set>
 
 #include <fmt/format.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
 
@@ -23,9 +23,7 @@ template <class... Args>
 }
 
 void check_name(const std::string& name, const std::string& kind, const std::string& where) {
-  const auto allowed = [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '.';
-  };
+  const auto allowed = [](char c) { return is_letter_or_digit(c) || c == '_' || c == '.'; };
   if (name.empty() || !std::all_of(name.begin(), name.end(), allowed) || name.front() == '.' ||
       name.back() == '.')
     fail(where, "{} name is '{}', expected letters, digits, '_' and inner '.'", kind, name);
@@ -34,7 +32,7 @@ void check_name(const std::string& name, const std::string& kind, const std::str
 // The canonical form of a map has these names as bare keys of TOML.
 bool is_key(const std::string& name, const std::string& others) {
   return !name.empty() && std::all_of(name.begin(), name.end(), [&](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) || others.find(c) != std::string::npos;
+    return is_letter_or_digit(c) || others.find(c) != std::string::npos;
   });
 }
 

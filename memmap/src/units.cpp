@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/memmap/units.hpp>
 
+#include <locale.h>
 #include <pthread.h>
 
 #include <cmath>
@@ -53,6 +54,22 @@ constinit std::mutex parser;
 [[maybe_unused]] const int kWaitsAtFork =
     pthread_atfork([] { parser.lock(); }, [] { parser.unlock(); }, [] { parser.unlock(); });
 
+// UDUNITS reads numbers, of its database too, as the locale of this thread writes them.
+class PlainNumbers {
+ public:
+  PlainNumbers() : before_{uselocale(plain())} {}
+  PlainNumbers(const PlainNumbers&) = delete;
+  PlainNumbers& operator=(const PlainNumbers&) = delete;
+  ~PlainNumbers() { uselocale(before_); }
+
+ private:
+  static locale_t plain() {
+    static const locale_t locale = newlocale(LC_ALL_MASK, "C", nullptr);
+    return locale;
+  }
+  locale_t before_;
+};
+
 UnitHandle parse(const char* text) { return UnitHandle{ut_parse(unit_system(), text, UT_UTF8)}; }
 
 Unit convert_to_si(const std::string& text) {
@@ -80,6 +97,7 @@ Unit parse_unit(const std::string& text) {
   static std::map<std::string, Unit> known;
   const auto found = known.find(text);
   if (found != known.end()) return found->second;
+  const PlainNumbers plain;
   return known.emplace(text, convert_to_si(text)).first->second;
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/text.hpp>
+
 namespace rths::recording {
 std::string ForeignStore::found() const {
   return fmt::format("{} by {}, seen {}", value, writers,
@@ -40,13 +42,15 @@ std::vector<ForeignStore> foreign_stores_of(const Reader& run) {
   for (std::string line; std::getline(lines, line);) {
     std::istringstream fields{line};
     ForeignStore store;
-    std::string count;
-    fields >> store.time >> std::ws;
-    for (std::string* field : {&store.signal, &store.owner, &store.value, &count, &store.writers})
+    std::string time, count;
+    for (std::string* field :
+         {&time, &store.signal, &store.owner, &store.value, &count, &store.writers})
       std::getline(fields, *field, '\t');
-    if (count.empty() || count.find_first_not_of("0123456789") != std::string::npos)
+    const auto seconds = number_of(time);
+    if (!seconds || count.empty() || count.find_first_not_of("0123456789") != std::string::npos)
       throw Error{
           fmt::format("/meta/{}: the line is '{}', expected six fields", kForeignStores, line)};
+    store.time = *seconds;
     store.count = std::stoul(count);
     stores.push_back(std::move(store));
   }

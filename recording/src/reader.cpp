@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
+#include <rths/core/text.hpp>
 #include <rths/recording/recording.hpp>
 
 #include "hdf5.hpp"
@@ -274,7 +275,11 @@ Reader::Series Reader::meta_series(const std::string& name) const {
   const Handle group = open_additions(file_->file);
   if (H5Lexists(group.id(), name.c_str(), H5P_DEFAULT) <= 0) return {};
   const Handle dataset = open_dataset(group.id(), name);
-  return {std::stod(read_text_attribute(dataset.id(), "interval_s")), read_all<double>(dataset)};
+  const std::string interval = read_text_attribute(dataset.id(), "interval_s");
+  const auto seconds = number_of(interval);
+  if (!seconds)
+    throw Error{fmt::format("/meta/{}: interval_s is '{}', expected a number", name, interval)};
+  return {*seconds, read_all<double>(dataset)};
 }
 
 std::vector<Reader::Event> Reader::events() const {

@@ -113,8 +113,8 @@ int floor_at(const Stick& stick, double elevation, int first) {
   for (std::size_t i = 0; i < stick.elevations.size(); ++i)
     if (std::abs(stick.elevations[i] - elevation) < kElevationTolerance)
       return first + kDirections * static_cast<int>(i);
-  throw Error{"plant: stick '" + stick.name + "' has no mass at the spectrum elevation of " +
-              std::to_string(elevation) + " m"};
+  throw Error{fmt::format("plant: stick '{}' has no mass at the spectrum elevation of {} m",
+                          stick.name, elevation)};
 }
 
 }  // namespace

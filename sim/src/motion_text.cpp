@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 
@@ -57,7 +56,8 @@ std::size_t length_of_number(std::string_view text) {
 }
 
 bool is_between(char c) {
-  return std::isspace(static_cast<unsigned char>(c)) != 0 || c == ';' || c == '"' || c == ',';
+  return std::string_view{" 	
+;\","}.find(c) != std::string_view::npos;
 }
 
 // Numbers of a word, such as the two of "2.91E-03-5.62E-04".

@@ -14,6 +14,7 @@
 #include <fmt/ranges.h>
 
 #include <rths/adapters/child_program.hpp>
+#include <rths/core/ascii.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
 
@@ -385,7 +386,7 @@ void Laboratory::keep() {
 std::filesystem::path make_test_folder(const std::filesystem::path& kept, const std::string& test) {
   std::string name = test;
   for (auto& letter : name)
-    if (std::isalnum(static_cast<unsigned char>(letter)) == 0 && letter != '-' && letter != '.')
+    if (!is_letter_or_digit(letter) && letter != '-' && letter != '.')
       letter = '_';
   const auto folder = kept / fmt::format("{}_{}", name, new_name());
   constexpr int kMostRivals = 100;  // tests that remove empty folders above this one meanwhile

@@ -341,7 +341,7 @@ TEST(Diagram, RefusesABaseRateBlockBetweenFastOnes) {
 
 TEST(Diagram, RefusesInvalidParametersOfBlocks) {
   EXPECT_EQ(error_in(kX + block("f", "low_pass", "in.in = \"x\"\ncutoff_Hz = 900")),
-            "d.toml:13:13: low-pass: a cut-off of 900.000000 Hz needs a sampling rate above twice "
+            "d.toml:13:13: low-pass: a cut-off of 900 Hz needs a sampling rate above twice "
             "that");
   EXPECT_EQ(error_in(kX + block("f", "saturation", "in.in = \"x\"\nlimits = [1]")),
             "d.toml:13:10: limits has 1 numbers, none for axis 'lat'");

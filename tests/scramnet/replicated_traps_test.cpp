@@ -248,7 +248,7 @@ TEST_F(ReplicatedTraps, SendBlockCallsOnce) {
 }
 
 TEST_F(ReplicatedTraps, EndWithTheReasonForThem) {
-  ASSERT_EQ(sp_set_vp(VP_SET, kOwnPage), 1);
+  ASSERT_EQ(sp_set_vp(VP_SET, kOwnPage), static_cast<int>(kOwnPage));
   store(3);
   scr_acr_write(kWord, 0);
   store(3);  // the present value: found by no scan

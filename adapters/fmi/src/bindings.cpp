@@ -2,11 +2,11 @@
 #include "bindings.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 
 #include <rths_adapter.h>
+#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
 
@@ -37,7 +37,7 @@ bool is_dimensionless(const Variable& variable) {
 }
 
 bool is_signal_name(const std::string& name) {
-  const auto allowed = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '.'; };
+  const auto allowed = [](char c) { return is_letter_or_digit(c) || c == '_' || c == '.'; };
   return !name.empty() && name.front() != '.' && name.back() != '.' &&
          std::all_of(name.begin(), name.end(), allowed);
 }

@@ -2,7 +2,6 @@
 #include <rths/adapters/control_points.hpp>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -11,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -50,7 +50,7 @@ std::optional<int> dof_named(const std::string& word) {
   const auto direction = std::find(std::begin(kDirections), std::end(kDirections), word);
   if (direction != std::end(kDirections))
     return static_cast<int>(direction - std::begin(kDirections)) + 1;
-  const bool is_lettered = !word.empty() && std::isalpha(static_cast<unsigned char>(word[0])) != 0;
+  const bool is_lettered = !word.empty() && is_letter(word[0]);
   const char *first = word.data() + (is_lettered ? 1 : 0), *last = word.data() + word.size();
   int dof = 0;
   const auto [end, error] = std::from_chars(first, last, dof);

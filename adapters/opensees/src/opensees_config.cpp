@@ -2,7 +2,6 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
 
 #include <fmt/format.h>
@@ -10,6 +9,7 @@
 
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
+#include <rths/core/ascii.hpp>
 
 #include "eigen_conversion.hpp"
 
@@ -253,7 +253,7 @@ bool is_address(const std::string& text) {
 OpenSeesElement read_connection(const Config& table) {
   OpenSeesElement element;
   element.name = table.text("name");
-  const auto is_plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  const auto is_plain = [](char c) { return is_letter_or_digit(c) || c == '_'; };
   if (element.name.empty() || !std::all_of(element.name.begin(), element.name.end(), is_plain))
     table.fail("name", fmt::format("name is '{}', expected letters, digits and _", element.name));
   element.is_udp = !is_first_of(table, "protocol", "tcp", "udp");

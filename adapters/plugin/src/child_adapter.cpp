@@ -25,6 +25,7 @@
 
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::plugin {
 namespace {
@@ -84,7 +85,7 @@ void set_text(Shared& shared, const std::string& text) {
 std::string text_of(const std::vector<Port>& ports) {
   std::string text;
   for (const auto& port : ports)
-    text += fmt::format("{}\t{}\t{}\t{:a}\t{:d}\t{:d}\t{:a}\t{:a}\n", port.name,
+    text += fmt::format("{}\t{}\t{}\t{}\t{:d}\t{:d}\t{}\t{}\n", port.name,
                         static_cast<int>(port.direction), port.unit, port.initial, port.event,
                         port.range.has_value(), port.range ? port.range->first : 0,
                         port.range ? port.range->second : 0);
@@ -99,9 +100,9 @@ std::vector<Port> ports_of(const std::string& text) {
     std::array<std::string, 8> field;
     for (auto& word : field) std::getline(fields, word, '\t');
     Port port{field[0], static_cast<Direction>(std::atoi(field[1].c_str())), field[2],
-              std::strtod(field[3].c_str(), nullptr), field[4] == "1"};
+              number_of(field[3]).value_or(0), field[4] == "1"};
     if (field[5] == "1")
-      port.range = {std::strtod(field[6].c_str(), nullptr), std::strtod(field[7].c_str(), nullptr)};
+      port.range = {number_of(field[6]).value_or(0), number_of(field[7]).value_or(0)};
     ports.push_back(std::move(port));
   }
   return ports;

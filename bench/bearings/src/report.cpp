@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <rths/bench/bearing_bench.hpp>
+#include <rths/core/ascii.hpp>
 
 namespace rths::bench {
 namespace {
@@ -63,7 +63,7 @@ std::string opensees_line(const BearingResult& result) {
 }
 
 std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : text) c = rths::upper(c);
   return text;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <rths/bench/ring_bench.hpp>
+#include <rths/core/ascii.hpp>
 
 namespace rths::bench {
 namespace {
@@ -39,7 +40,7 @@ std::string table(const Report& report, bool peers) {
 }
 
 std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  for (char& c : text) c = rths::upper(c);
   return text;
 }
 

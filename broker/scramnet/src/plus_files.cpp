@@ -9,6 +9,8 @@
 #include <cstring>
 #include <memory>
 
+#include <rths/core/text.hpp>
+
 #include "plus_state.hpp"
 #include "ring_copy.hpp"
 
@@ -45,10 +47,11 @@ int defect_of(int which) {
 bool parse_value(const char* text, char conversion, unsigned bytes, unsigned char* value) {
   char* end = nullptr;
   if (std::strchr("eEfFgG", conversion) != nullptr) {
-    const double number = std::strtod(text, &end);
-    const auto single = static_cast<float>(number);
-    std::memcpy(value, bytes == 8 ? static_cast<const void*>(&number) : &single, bytes);
-    return end != text && (bytes == 4 || bytes == 8);
+    const auto number = rths::number_of(rths::trimmed(text));
+    if (!number || (bytes != 4 && bytes != 8)) return false;
+    const auto single = static_cast<float>(*number);
+    std::memcpy(value, bytes == 8 ? static_cast<const void*>(&*number) : &single, bytes);
+    return true;
   }
   const int base = conversion == 'o' ? 8 : std::strchr("xX", conversion) != nullptr ? 16 : 10;
   const bool is_signed = conversion == 'd' || conversion == 'i';

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <rths/core/ascii.hpp>
+
 #include "report.hpp"
 
 #include <algorithm>
-#include <cctype>
 
 #include <fmt/format.h>
 
@@ -98,7 +99,7 @@ std::string list_of(const std::vector<Cause>& causes) {
 }
 
 std::string capitalised(std::string text) {
-  if (!text.empty()) text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+  if (!text.empty()) text[0] = upper(text[0]);
   return text;
 }
 
