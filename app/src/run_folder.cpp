@@ -87,7 +87,7 @@ void remove_results(const fs::path& folder) {
   std::error_code ignored;
   for (const std::string file : kResults) {
     fs::remove_all(folder / file, ignored);
-    fs::remove(folder / (file + recording::kCompressing), ignored);
+    fs::remove(folder / (file + recording::kCopying), ignored);
   }
 }
 

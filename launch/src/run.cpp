@@ -112,17 +112,25 @@ std::string ending_of(const RunOutcome& outcome) {
   return outcome.interrupted ? "interrupted" : outcome.trouble;
 }
 
-void add_times(const std::filesystem::path& file, const NodePlan& plan,
-               const adapters::StepTimes& times) {
-  const double period = to_seconds(plan.schedule.period);
-  recording::add_meta_series(file, kLateSeries + plan.node, period,
-                             {times.late.begin(), times.late.end()});
-  recording::add_meta_series(file, kDurationSeries + plan.node, period,
-                             {times.duration.begin(), times.duration.end()});
+using NamedSeries = std::vector<std::pair<std::string, recording::Reader::Series>>;
+
+NamedSeries series_of(const Experiment& experiment, const RunResult& result) {
+  NamedSeries series;
+  if (!result.lateness.largest.empty())
+    series.push_back({"host_late", {result.lateness.interval, result.lateness.largest}});
+  for (const auto& plan : experiment.nodes) {
+    const auto found = result.times.find(plan.node);
+    if (found == result.times.end()) continue;
+    const auto& late = found->second.late;
+    const auto& duration = found->second.duration;
+    const double period = to_seconds(plan.schedule.period);
+    series.push_back({kLateSeries + plan.node, {period, {late.begin(), late.end()}}});
+    series.push_back({kDurationSeries + plan.node, {period, {duration.begin(), duration.end()}}});
+  }
+  return series;
 }
 
-// Adds data that is available only after the run. A killed recorder leaves its file open for
-// writing.
+// Adds data that is available only after the run.
 void add_to_meta(const std::filesystem::path& file, const Experiment& experiment,
                  const RunOutcome& outcome, const RunResult& result) {
   std::string privileges;
@@ -137,14 +145,7 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
     meta.emplace_back(
         "times_real_time",
         fmt::format("{:.1f}", experiment.duration * experiment.rate / outcome.wall_time));
-  static_cast<void>(recording::repair(file));
-  recording::add_meta(file, meta);
-  if (!result.lateness.largest.empty())
-    recording::add_meta_series(file, "host_late", result.lateness.interval,
-                               result.lateness.largest);
-  for (const auto& plan : experiment.nodes)
-    if (const auto times = result.times.find(plan.node); times != result.times.end())
-      add_times(file, plan, times->second);
+  recording::add_meta(file, meta, series_of(experiment, result));
 }
 
 }  // namespace

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 #include <fmt/format.h>
 
@@ -119,9 +114,9 @@ std::size_t rows_of(const Handle& file) {
 
 // @returns the number of rows of the closed recording
 std::size_t copy_compressed(const std::filesystem::path& from, const std::filesystem::path& to) {
-  const Handle source{H5Fopen(from.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
-                      "opening it (was it closed?)"};
-  const Handle copy{H5Fcreate(to.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
+  const Handle source{open_to_read(from, H5F_ACC_RDONLY), H5Fclose, "opening it (was it closed?)"};
+  const Handle access = without_lock();
+  const Handle copy{H5Fcreate(to.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose,
                     "creating " + to.string()};
   std::vector<Object> objects;
   check(H5Ovisit(source.id(), H5_INDEX_NAME, H5_ITER_INC, collect_object, &objects),
@@ -133,22 +128,12 @@ std::size_t copy_compressed(const std::filesystem::path& from, const std::filesy
   return rows_of(source);
 }
 
-// A power failure after the renaming must not lose both files.
-void write_through(const std::filesystem::path& file) {
-  const int descriptor =
-      open(file.c_str(), O_RDONLY | O_CLOEXEC);  // NOLINT(cppcoreguidelines-pro-type-vararg)
-  const bool is_written = descriptor >= 0 && fsync(descriptor) == 0;
-  const int problem = errno;
-  if (descriptor >= 0) close(descriptor);
-  if (!is_written) throw Error{std::strerror(problem)};
-}
-
 }  // namespace
 
 void compress(const std::filesystem::path& file) {
   silence_hdf5();
   try {
-    replace_file(file, kCompressing, [&](const std::filesystem::path& copy) {
+    replace_file(file, kCopying, [&](const std::filesystem::path& copy) {
       const std::size_t rows = copy_compressed(file, copy);
       if (Reader{copy}.rows() != rows) throw Error{"the copy lacks rows"};
       write_through(copy);

@@ -29,6 +29,27 @@ std::size_t text_size(const Handle& type, const Handle& space, const std::string
 
 }  // namespace
 
+Handle without_lock() {
+  Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
+  check(H5Pset_file_locking(access.id(), false, true), "HDF5 properties");
+  return access;
+}
+
+// A reader in SWMR mode reads metadata that a writer may be changing again, after a pause that
+// doubles from 1 ns each time.
+hid_t open_to_read(const std::filesystem::path& file, unsigned flags) {
+  constexpr unsigned kAttempts = 28;  // a quarter of a second
+  const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
+  const Handle lockless = without_lock();
+  for (const Handle* properties : {&access, &lockless}) {
+    if ((flags & H5F_ACC_SWMR_READ) != 0)
+      check(H5Pset_metadata_read_attempts(properties->id(), kAttempts), "HDF5 properties");
+    const hid_t opened = H5Fopen(file.c_str(), flags, properties->id());
+    if (opened >= 0) return opened;
+  }
+  return -1;
+}
+
 void write_text_attribute(hid_t object, const std::string& name, const std::string& text) {
   const Handle type = text_type(stored_size(text));
   const Handle space{H5Screate(H5S_SCALAR), H5Sclose, "HDF5 space"};

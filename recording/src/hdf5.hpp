@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <string>
 #include <utility>
@@ -59,6 +60,14 @@ inline void silence_hdf5() {
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
+
+/// Properties to open a file without a lock of the library: another program may hold one, and some
+/// file systems have none.
+[[nodiscard]] Handle without_lock();
+/// Opens a file to read it, without a lock if it cannot be locked. This program may have it open in
+/// either way already.
+/// @param flags  H5F_ACC_RDONLY, or with H5F_ACC_SWMR_READ   @returns negative: it cannot be opened
+[[nodiscard]] hid_t open_to_read(const std::filesystem::path& file, unsigned flags);
 
 void write_text_attribute(hid_t object, const std::string& name, const std::string& text);
 void write_text_list_attribute(hid_t object, const std::string& name,

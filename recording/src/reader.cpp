@@ -12,6 +12,7 @@
 
 #include "hdf5.hpp"
 #include "probe.hpp"
+#include "replaced_file.hpp"
 #include "writer_lock.hpp"
 
 namespace rths::recording {
@@ -56,17 +57,11 @@ std::vector<T> read_all(const Handle& dataset) {
   return values;
 }
 
-// Only readers in SWMR mode open a file with the mark of a crashed writer. They read metadata that
-// a writer may be changing again, after a pause that doubles from 1 ns each time.
+// Only readers in SWMR mode open a file with the mark of a crashed writer.
 Handle open_file(const std::filesystem::path& path) {
-  constexpr unsigned kAttempts = 28;  // a quarter of a second
   silence_hdf5();
-  hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
-  if (file < 0) {
-    const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
-    check(H5Pset_metadata_read_attempts(access.id(), kAttempts), "HDF5 properties");
-    file = H5Fopen(path.c_str(), H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access.id());
-  }
+  hid_t file = open_to_read(path, H5F_ACC_RDONLY);
+  if (file < 0) file = open_to_read(path, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ);
   return {file, H5Fclose, path.string() + ": is damaged or no recording (HDF5): opening it"};
 }
 
@@ -331,47 +326,62 @@ void link_addition(const Handle& file, const Handle& object, const std::string& 
         "adding " + name);
 }
 
-Handle open_to_add(const std::filesystem::path& path) {
-  silence_hdf5();
-  return {H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), H5Fclose,
-          path.string() + ": opening the recording to add data"};
-}
-
-}  // namespace
-
-void add_meta(const std::filesystem::path& path, const NamedTexts& meta) {
-  const Handle file = open_to_add(path);
-  const Handle texts{H5Gcreate_anon(file.id(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
-                     "creating a group"};
-  for (const auto& [name, text] : meta) write_text_attribute(texts.id(), name, text);
-  link_addition(file, texts, kAddedTexts);
-}
-
-void add_meta_series(const std::filesystem::path& path, const std::string& name, double interval,
-                     const std::vector<double>& values) {
-  const Handle file = open_to_add(path);
-  const hsize_t count = values.size();
+void add_series(const Handle& file, const std::string& name, const Reader::Series& series) {
+  const hsize_t count = series.values.size();
   const Handle space{H5Screate_simple(1, &count, nullptr), H5Sclose, "HDF5 space"};
   const Handle dataset{
       H5Dcreate_anon(file.id(), H5T_NATIVE_DOUBLE, space.id(), H5P_DEFAULT, H5P_DEFAULT), H5Dclose,
       "creating dataset " + name};
-  write_text_attribute(dataset.id(), "interval_s", fmt::format("{}", interval));
-  check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
+  write_text_attribute(dataset.id(), "interval_s", fmt::format("{}", series.interval));
+  check(H5Dwrite(dataset.id(), H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+                 series.values.data()),
         "writing dataset " + name);
   link_addition(file, dataset, name);
+}
+
+void add_texts(const Handle& file, const NamedTexts& texts) {
+  if (texts.empty()) return;
+  const Handle group{H5Gcreate_anon(file.id(), H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
+                     "creating a group"};
+  for (const auto& [name, text] : texts) write_text_attribute(group.id(), name, text);
+  link_addition(file, group, kAddedTexts);
+}
+
+}  // namespace
+
+void add_meta(const std::filesystem::path& path, const NamedTexts& texts,
+              const std::vector<std::pair<std::string, Reader::Series>>& series) {
+  const auto add = [&](const std::filesystem::path& target) {
+    static_cast<void>(repair(target));  // a killed writer leaves its file open for writing
+    silence_hdf5();
+    const Handle access = without_lock();
+    const Handle file{H5Fopen(target.c_str(), H5F_ACC_RDWR, access.id()), H5Fclose,
+                      target.string() + ": opening the recording to add data"};
+    add_texts(file, texts);
+    for (const auto& [name, values] : series) add_series(file, name, values);
+  };
+  try {
+    replace_file(path, kCopying, [&](const std::filesystem::path& copy) {
+      std::filesystem::copy_file(path, copy, std::filesystem::copy_options::overwrite_existing);
+      add(copy);
+      write_through(copy);
+    });
+  } catch (const Error&) {  // is the disk full?
+    add(path);
+  }
 }
 
 namespace {
 
 bool repair_here(const std::filesystem::path& path) {
   silence_hdf5();
-  if (const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT); file >= 0) {
+  if (const hid_t file = open_to_read(path, H5F_ACC_RDONLY); file >= 0) {
     H5Fclose(file);
     return false;
   }
   if (WriterLock::is_held(path)) return false;  // it has a writer: nothing to repair
   // As h5clear does. The property is in the library, but not in its headers.
-  const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
+  const Handle access = without_lock();
   const hbool_t clear = true;
   check(H5Pset(access.id(), "clear_status_flags", &clear), "HDF5 properties");
   const hid_t opened = H5Fopen(path.c_str(), H5F_ACC_RDWR, access.id());

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <system_error>
@@ -16,6 +21,16 @@ inline std::string unused_ending(const std::filesystem::path& file) {
   for (int i = 2; std::filesystem::exists(file.string() + ending); ++i)
     ending = ".part" + std::to_string(i);
   return ending;
+}
+
+/// Waits until the disk has a file, so that a power failure after a renaming does not lose both.
+inline void write_through(const std::filesystem::path& file) {
+  const int descriptor =
+      open(file.c_str(), O_RDONLY | O_CLOEXEC);  // NOLINT(cppcoreguidelines-pro-type-vararg)
+  const bool is_written = descriptor >= 0 && fsync(descriptor) == 0;
+  const int problem = errno;
+  if (descriptor >= 0) close(descriptor);
+  if (!is_written) throw Error{std::strerror(problem)};
 }
 
 /// Calls `write` with a temporary path, `file` with an ending, then renames it. If that fails or is

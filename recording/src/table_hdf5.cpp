@@ -114,7 +114,7 @@ Columns columns_of(const std::filesystem::path& file) {
   std::vector<std::string> paths;
   Columns columns;
   {
-    const Handle opened{H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+    const Handle opened{open_to_read(file, H5F_ACC_RDONLY), H5Fclose,
                         file.string() + ": opening it as HDF5"};
     check(H5Ovisit(opened.id(), H5_INDEX_NAME, H5_ITER_NATIVE, collect, &paths),
           file.string() + ": listing the datasets");

@@ -143,7 +143,7 @@ struct Writer::File {
 
 void Writer::File::create() {
   silence_hdf5();
-  const Handle access{H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "HDF5 properties"};
+  const Handle access = without_lock();
   // Single-writer mode needs the newest structures of the file format.
   check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "HDF5 version");
   file = Handle{H5Fcreate(unnamed(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose,

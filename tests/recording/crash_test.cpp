@@ -54,7 +54,7 @@ void record(const std::filesystem::path& file) {
     writer.close();
   }
   add_meta(file, {{"processes", "5"}, {"privileges", std::string(300, 'p')}});
-  add_meta_series(file, "host_late", 0.01, std::vector<double>(1000, 0.5));
+  add_meta(file, {}, {{"host_late", {0.01, std::vector<double>(1000, 0.5)}}});
 }
 
 // @returns true if the process died at its write number `writes`

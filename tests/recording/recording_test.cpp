@@ -155,7 +155,7 @@ TEST(Recording, TakesMetaAndSeriesAfterItIsClosed) {
   writer.close();
 
   add_meta(file, {{"processes", "5"}});
-  add_meta_series(file, "host_late", 0.01, {0.5, 0.25});
+  add_meta(file, {}, {{"host_late", {0.01, {0.5, 0.25}}}});
 
   const Reader reader{file};
   EXPECT_EQ(reader.meta().at("processes"), "5");
@@ -330,7 +330,7 @@ void write_recording(const std::filesystem::path& file) {
   Writer writer = open_writer(file);
   write_rows(writer, 0, 10'000);
   writer.close();
-  add_meta_series(file, "host_late", 0.01, {0.5, 0.25});
+  add_meta(file, {}, {{"host_late", {0.01, {0.5, 0.25}}}});
 }
 
 TEST(Recording, HasTheSameContentAfterItIsCompressed) {

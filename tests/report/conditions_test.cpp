@@ -131,8 +131,8 @@ TEST(LateHost, ExcusesFromOneControlPeriodOn) {
                         {"opf", "monitor.opf", "step", rows_up_to(1e6, kPeriod)}},
                        kPeriod,
                        1001}};
-    recording::add_meta_series(run.folder() / kRunFile, "host_late", 0.01,
-                               std::vector<double>(200, lateness));
+    recording::add_meta(run.folder() / kRunFile, {},
+                        {{"host_late", {0.01, std::vector<double>(200, lateness)}}});
     return run.broken("host").found;
   };
 

@@ -357,7 +357,7 @@ TEST_F(Recording, IsNotConclusiveIfTheHostWasLateInMoreThanAHundredthOfTheSteps)
     copy(file(), folder.path() / "run.h5", [](double, Row&) { return true; });
     std::vector<double> late(1300, 0.0);
     for (std::size_t i = 0; i < intervals; ++i) late[300 + 10 * i] = 0.002;
-    recording::add_meta_series(folder.path() / "run.h5", "host_late", 0.01, late);
+    recording::add_meta(folder.path() / "run.h5", {}, {{"host_late", {0.01, late}}});
     return text_of(judge(recording::Reader{folder.path() / "run.h5"}));
   };
 

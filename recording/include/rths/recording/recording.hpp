@@ -169,15 +169,14 @@ auto of_file(const std::filesystem::path& file, Read read) {
 }
 /// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
-/// Adds attributes to /meta of a finished recording, once. A process that dies meanwhile leaves the
-/// recording without them. @throws Error
-void add_meta(const std::filesystem::path& file, const NamedTexts& meta);
-/// Adds a series of equally spaced values to /meta of a finished recording, in the same way.
-/// @throws Error
-void add_meta_series(const std::filesystem::path& file, const std::string& name, double interval,
-                     const std::vector<double>& values);
-/// Ending of the name of the temporary file of `compress`.
-inline constexpr const char* kCompressing = ".compressing";
+/// Adds texts, once, and series of equally spaced values to /meta of a recording that is finished
+/// or whose writer was killed: all or none. They are added to a copy, which then replaces the file,
+/// so programs that have the recording open or locked keep theirs. If there is no space for a copy,
+/// they are added in place.   @throws Error   @setup
+void add_meta(const std::filesystem::path& file, const NamedTexts& texts,
+              const std::vector<std::pair<std::string, Reader::Series>>& series = {});
+/// Ending of the name of the temporary copy of a recording.
+inline constexpr const char* kCopying = ".copying";
 /// Compresses a closed recording without loss: writes a copy beside it, then renames the copy. The
 /// copy needs no newer HDF5 than version 1.8.
 /// @throws Error if that fails, for example on a full disk; the file is then unchanged   @setup
