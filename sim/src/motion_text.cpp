@@ -56,8 +56,7 @@ std::size_t length_of_number(std::string_view text) {
 }
 
 bool is_between(char c) {
-  return std::string_view{" 	
-;\","}.find(c) != std::string_view::npos;
+  return std::string_view{" \t\n\v\f\r;\","}.find(c) != std::string_view::npos;
 }
 
 // Numbers of a word, such as the two of "2.91E-03-5.62E-04".
