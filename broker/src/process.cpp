@@ -2,23 +2,22 @@
 #include "process.hpp"
 
 #include <fcntl.h>
-#include <pthread.h>
+#include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <mutex>
 #include <thread>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+
+#include "layout.hpp"
 
 namespace rths::broker {
 namespace {
@@ -32,28 +31,6 @@ constexpr std::uint64_t kNamespaceMask = (1U << kNamespaceBits) - 1;
 constexpr std::uint64_t kRandomMask = (1U << 20U) - 1;
 constexpr auto kRemovalTimeout = std::chrono::seconds{1};  // a removal takes microseconds
 constexpr auto kPoll = std::chrono::milliseconds{1};
-
-/// What a forked child must not keep from its parent. Never destroyed: nodes may be static.
-struct OfThisProcess {
-  std::mutex mutex;
-  std::vector<int> descriptors;
-  std::atomic<Claim> claim{0};
-};
-
-OfThisProcess& of_this_process() {
-  static auto* const own = [] {
-    pthread_atfork([] { of_this_process().mutex.lock(); }, [] { of_this_process().mutex.unlock(); },
-                   [] {
-                     auto& child = of_this_process();
-                     for (const int descriptor : child.descriptors) close(descriptor);
-                     child.descriptors.clear();
-                     child.claim.store(0);
-                     child.mutex.unlock();
-                   });
-    return new OfThisProcess;
-  }();
-  return *own;
-}
 
 std::uint64_t own_namespace() {
   struct stat status {};
@@ -92,7 +69,7 @@ void lock_own_claim(int descriptor) {
   }
 }
 
-// A descriptor with locks of its own: also of an object that has lost its name.
+// With locks of its own, also of an object that has lost its name.
 int open_again(int object) {
   const int descriptor = open(fmt::format("/proc/self/fd/{}", object).c_str(), O_RDWR | O_CLOEXEC);
   if (descriptor < 0) throw Error{fmt::format("it cannot be locked: {}", std::strerror(errno))};
@@ -102,11 +79,13 @@ int open_again(int object) {
 }  // namespace
 
 Claim own_claim() {
-  auto& claim = of_this_process().claim;
+  static std::atomic<Claim> claim{0};
   Claim found = claim.load();
-  if (found != 0 && pid_of(found) == getpid()) return found;
-  const Claim fresh = new_claim();
-  return claim.compare_exchange_strong(found, fresh) ? fresh : found;
+  while (pid_of(found) != getpid()) {  // none yet, or that of the parent
+    const Claim fresh = new_claim();
+    if (claim.compare_exchange_weak(found, fresh)) return fresh;
+  }
+  return found;
 }
 
 bool is_of_this_namespace(Claim claim) {
@@ -119,24 +98,22 @@ std::string in_words(Claim claim) {
                      kFirstNamespace + namespace_of(claim), kFirstNamespace + own_namespace());
 }
 
-Membership::Membership(int object) : descriptor_{open_again(object)}, process_{getpid()} {
+Membership::Membership(int object) : page_{MAP_FAILED}, process_{getpid()} {
+  const int descriptor = open_again(object);
   try {
-    lock_own_claim(descriptor_);
+    lock_own_claim(descriptor);
+    page_ = mmap(nullptr, kPageBytes, PROT_NONE, MAP_SHARED, descriptor, 0);
+    if (page_ == MAP_FAILED) throw Error{fmt::format("cannot be mapped: {}", std::strerror(errno))};
+    madvise(page_, kPageBytes, MADV_DONTFORK);
   } catch (...) {
-    close(descriptor_);
+    close(descriptor);
     throw;
   }
-  auto& own = of_this_process();
-  const std::lock_guard lock{own.mutex};
-  own.descriptors.push_back(descriptor_);
+  close(descriptor);
 }
 
 Membership::~Membership() {
-  if (process_ != getpid()) return;  // closed by the fork
-  auto& own = of_this_process();
-  const std::lock_guard lock{own.mutex};
-  std::erase(own.descriptors, descriptor_);
-  close(descriptor_);
+  if (process_ == getpid()) munmap(page_, kPageBytes);
 }
 
 // The lock on all bytes is that of a process that removes the object. If the kernel cannot tell,

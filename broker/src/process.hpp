@@ -27,7 +27,8 @@ using Claim = std::uint64_t;
 
 /// Shows this process to all processes that use an object, in whatever namespace: until this is
 /// destroyed or the process ends, the kernel holds a lock on the byte of its claim, beyond the
-/// object's content. A forked child does not inherit it.
+/// object's content. The lock belongs to a mapping, which a forked child does not inherit and a
+/// program that closes all descriptors does not lose.
 class Membership {
  public:
   /// @param object  descriptor of the object
@@ -38,7 +39,7 @@ class Membership {
   Membership& operator=(const Membership&) = delete;
 
  private:
-  int descriptor_;
+  void* page_;
   pid_t process_;
 };
 
