@@ -86,7 +86,10 @@ TEST(LoopCommand, SaysWhereABearingIsWrong) {
   const auto run = run_rths({"loop", file.string()});
 
   EXPECT_EQ(run.exit_code, 2);
-  EXPECT_EQ(run.err, "rths: " + file.string() + ":2:14: unknown key 'strength_N'\n");
+  EXPECT_EQ(run.err, "rths: " + file.string() +
+                         ":2:14: unknown key 'strength_N', expected one of axes, beta, channel, "
+                         "characteristic_strength_N, coupling, enabled, eta, kind, "
+                         "post_yield_stiffness_N_per_m, yield_displacement_m\n");
   EXPECT_NE(run_rths({"loop", "lprx"}).err.find("there is no bearing 'lprx', expected a file or"),
             std::string::npos);
 }

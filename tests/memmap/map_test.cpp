@@ -94,7 +94,7 @@ TEST(Map, ReportsEveryMistakeOfAFile) {
   const std::string error = test::error_of([&] { static_cast<void>(parse_map(text, "lab.toml")); });
 
   EXPECT_EQ(error,
-            "lab.toml:7:10: unknown key 'colour'\n"
+            "lab.toml:7:10: unknown key 'colour', expected one of name, size_bytes, version\n"
             "lab.toml:32:8: type is 'u33', expected i32, u32 or f32");
   replace("colour = 3\n", "");
   replace("type = \"u33\"", "type = \"u32\"");
