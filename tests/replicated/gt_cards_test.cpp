@@ -43,11 +43,11 @@ TEST_F(VirtualGt, MeasuresTheTimeAroundItsRing) {
   store(0, 5, 1);
   settle();
   EXPECT_EQ(card(0).gt_state(kLatencyTimer), quiet + 100);
-  for (std::uint32_t word = 0; word < 32; ++word) store(1, word, word);  // a longer message
-  pass(400ns);
+  card(1).set_extra_delay(0ns);
+  for (std::uint32_t word = 0; word < 128; ++word) store(1, 100 + word, word);
   store(0, 5, 2);
   settle();
-  EXPECT_GT(card(0).gt_state(kLatencyTimer), quiet + 100) << "it waited behind others";
+  EXPECT_GT(card(0).gt_state(kLatencyTimer), quiet) << "it waited for messages of node 1";
 }
 
 TEST_F(VirtualGt, IgnoresDataBeyondItsMemory) {
@@ -269,15 +269,15 @@ TEST_F(VirtualGt, HasThePowerUpValuesOfTheManual) {
 
 TEST_F(VirtualGt, KeepsItsOwnStatesApart) {
   use_gt(1);
-  const std::uint32_t own[] = {11, 12, 13};
-  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_TRUE(card(0).set_gt_state(own[i], 0xFFFF'FFFF - i));
+  const std::uint32_t own[] = {12, 13};
+  for (std::uint32_t i = 0; i < 2; ++i) EXPECT_TRUE(card(0).set_gt_state(own[i], 0xFFFF'FFFF - i));
   EXPECT_TRUE(card(0).set_gt_state(26, 5));
   for (const std::uint32_t value : {3U, 0U}) {
     EXPECT_TRUE(card(0).set_gt_state(27, value));
     EXPECT_EQ(card(0).gt_state(27), value != 0 ? 1U : 0U);
   }
   EXPECT_TRUE(card(0).set_gt_state(2, 9));  // errors cannot be set
-  for (std::uint32_t i = 0; i < 3; ++i) EXPECT_EQ(card(0).gt_state(own[i]), 0xFFFF'FFFF - i);
+  for (std::uint32_t i = 0; i < 2; ++i) EXPECT_EQ(card(0).gt_state(own[i]), 0xFFFF'FFFF - i);
   EXPECT_EQ(card(0).gt_state(26), 1U);
   EXPECT_EQ(card(0).gt_state(27), 0U);
   EXPECT_EQ(card(0).gt_state(2), 0U);
@@ -348,7 +348,7 @@ TEST_F(VirtualGt, ForgetsItsStatesWithThePower) {
   for (const std::uint32_t state : {2U, 5U, 6U, 7U, kNetTimer, 12U, 13U, 26U, 27U})
     EXPECT_EQ(card(0).gt_state(state), 0U) << state;
   for (std::uint32_t offset = 0; offset < 0x100; offset += 4)
-    if (offset != 0x10 && offset != 0x14 && offset != 0x20) {
+    if (offset != 0x10 && offset != 0x14 && offset != 0x20 && offset != 0x48) {
       EXPECT_EQ(card(0).read_cr(offset), 0U) << offset;
     }
 }
