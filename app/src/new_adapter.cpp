@@ -21,10 +21,9 @@ namespace {
 using Words = std::vector<std::pair<std::string, std::string>>;
 
 void check_name(const std::string& name) {
-  const bool is_identifier =
-      !name.empty() && !is_digit(name[0]) &&
-      std::all_of(name.begin(), name.end(),
-                  [](char c) { return is_letter_or_digit(c) || c == '_'; });
+  const bool is_identifier = !name.empty() && !is_digit(name[0]) &&
+                             std::all_of(name.begin(), name.end(),
+                                         [](char c) { return is_letter_or_digit(c) || c == '_'; });
   if (!is_identifier)
     throw Error{fmt::format("the adapter's name is '{}', expected letters, digits and '_'", name)};
   if (std::filesystem::exists(name))
