@@ -106,6 +106,14 @@ std::optional<UnitText> unit_anywhere(const MotionText& text, std::size_t end) {
   return std::nullopt;
 }
 
+void reject_other_unit(const MotionText& text, std::size_t end) {
+  for (std::size_t i = 0; i < end; ++i)
+    if (mentions_other_acceleration(text.lines[i]))
+      text.fail(i, fmt::format("'{}' mentions a unit, expected that of the values as in 'UNITS OF "
+                               "CM/SEC2'",
+                               trimmed(text.lines[i].substr(0, 100))));
+}
+
 }  // namespace
 
 StatedUnit leading_unit(std::string_view text) {
@@ -128,7 +136,7 @@ void read_at2_unit(const MotionText& text, std::size_t end, MotionColumn& column
                                trimmed(text.lines[i]), quantity));
   auto found = unit_text(text, end);
   if (!found) found = unit_anywhere(text, end);
-  if (!found) return;
+  if (!found) return reject_other_unit(text, end);
   column.stated = leading_unit(found->text);
   column.heading = trimmed(found->text);
   const auto* unit = column.stated.unit;

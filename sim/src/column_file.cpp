@@ -221,21 +221,34 @@ class ColumnReader {
         return {nullptr, stated.unit->name == "g" ? "" : line};
       if (stated.unit != nullptr) return stated;
     }
+    return mentioned_unit();
+  }
+
+  // Of "# a in m/s2" or "ns {m/s2}", no rule says which column has this unit.
+  [[nodiscard]] StatedUnit mentioned_unit() const {
+    for (std::size_t i = 0; i < first_; ++i)
+      if (mentions_other_acceleration(text_.lines[i]))
+        return {nullptr, std::string{trimmed(text_.lines[i].substr(0, 100))}};
     return {};
   }
 
   // [s]
   [[nodiscard]] double unit_of_time() const {
     const std::string heading = in_small_letters(headings_[0]);
-    const auto begin = heading.find_last_of("[(_ ");
+    const auto begin = heading.find_last_of("[(_ /");
     if (begin == std::string::npos) return 1;
     const auto unit = heading.substr(begin + 1, heading.find_last_not_of("]).") - begin);
-    if (unit == "ms" || unit == "msec") return kMilli;
-    if (unit == "µs" || unit == "us") return kMicro;
-    const bool is_second = unit.empty() || unit == "-" || unit == "s" || unit == "sec" ||
-                           unit == "secs" || unit == "second" || unit == "seconds";
-    const bool is_other = heading[begin] == '[' || unit == "min" || unit == "h" ||
-                          unit == "samples" || unit == "sample";
+    const auto is = [&](std::initializer_list<std::string_view> names) {
+      return std::find(names.begin(), names.end(), unit) != names.end();
+    };
+    const auto open = std::min(heading.find_first_of("[("), begin);
+    const bool has_factor = heading.find_first_of("0123456789", open) < begin;  // "[0.1 s]"
+    if (!has_factor && is({"ms", "msec", "msecs", "millisecond", "milliseconds"})) return kMilli;
+    if (!has_factor && is({"µs", "us"})) return kMicro;
+    const bool is_second = !has_factor && is({"", "-", "s", "sec", "secs", "second", "seconds"});
+    const bool is_other = has_factor || heading[begin] == '[' ||
+                          (heading[begin] == '(' && unit.find_first_of("0123456789") == 0) ||
+                          is({"min", "minutes", "h", "hours", "days", "sample", "samples"});
     if (!is_second && is_other)
       throw Error{fmt::format("{}: the unit '{}' of the time '{}' is unknown, expected s or ms",
                               text_.file.string(), unit, headings_[0])};

@@ -66,6 +66,10 @@ struct TimeSteps {
 /// The longest start of a text that is a known unit: "CM / SEC2, FILTERED".
 [[nodiscard]] StatedUnit leading_unit(std::string_view text);
 
+/// Whether a line mentions a unit of acceleration other than g, such as "{m/s2}" or "a_mps2". Units
+/// at places that are not understood must not be lost: the values are not in g.
+[[nodiscard]] bool mentions_other_acceleration(std::string_view line);
+
 /// Reads the unit in the header of an .AT2 file into the heading of its column.
 /// @param end  line after the header   @throws Error if it is not one of acceleration
 void read_at2_unit(const MotionText& text, std::size_t end, MotionColumn& column);

@@ -7,6 +7,8 @@
 #include <rths/core/text.hpp>
 #include <rths/sim/motion_file.hpp>
 
+#include "motion_text.hpp"
+
 namespace rths::sim {
 namespace {
 
@@ -76,15 +78,15 @@ void replace_all(std::string& text, std::string_view from, std::string_view to) 
     text.replace(at, from.size(), to);
 }
 
-// "CM / SEC ^ 2", "cm s⁻²" and "cm/sec/sec" are "cm/s2".
+// "CM / SEC ^ 2", "cm s⁻²", "cm/sec/sec" and "$cm/s^{2}$" are "cm/s2".
 std::string plain(std::string_view text) {
   std::string result;
   for (const char c : in_small_letters(text))
-    if (c != ' ' && c != '\t' && c != '^' && c != '*') result += c;
+    if (std::string_view{" \t^*{}$"}.find(c) == std::string_view::npos) result += c;
   constexpr std::pair<std::string_view, std::string_view> kReplaced[] = {
-      {"²", "2"},    {"⁻", "-"},   {"·", ""},        {"seconds", "s"}, {"second", "s"},
-      {"sec.", "s"}, {"sec", "s"}, {"squared", "2"}, {".s-2", "/s2"},  {"s-2", "/s2"},
-      {"s-1", "/s"}, {"//", "/"},  {"/s/s", "/s2"}};
+      {"²", "2"},      {"⁻", "-"},    {"·", ""},      {"squared", "2"}, {"seconds", "s"},
+      {"second", "s"}, {"sec.", "s"}, {"sec", "s"},   {".s-2", "/s2"},  {"s-2", "/s2"},
+      {"s-1", "/s"},   {"//", "/"},   {"/s/s", "/s2"}};
   for (const auto& [from, to] : kReplaced) replace_all(result, from, to);
   if (!result.empty() && result.back() == '\xB2') result.back() = '2';  // ² of Latin-1
   return result;
@@ -167,6 +169,21 @@ const MotionUnit* find_unit(std::string_view name) {
   const auto found = std::find_if(std::begin(kSpellings), std::end(kSpellings),
                                   [&](const Spelling& one) { return one.text == text; });
   return found == std::end(kSpellings) ? nullptr : &found->unit;
+}
+
+bool mentions_other_acceleration(std::string_view line) {
+  for (const auto word : words_of(line))
+    if (const MotionUnit* unit = find_unit(word))
+      if (unit->kind == UnitKind::Acceleration && is_unmistakable(*unit)) return true;
+  const std::string text = plain(line);
+  for (const std::string_view part : {"/ss", "mps2", "mpss", "mpsps", "perspers", "pers2"})
+    if (text.find(part) != std::string::npos) return true;
+  constexpr std::string_view kSquare = "/s2";  // but not "760 m/s, 2001" or "760 m/s 2001"
+  for (auto at = text.find(kSquare); at != std::string::npos; at = text.find(kSquare, at + 1)) {
+    const std::size_t next = at + kSquare.size();
+    if (next == text.size() || text[next] < '0' || text[next] > '9') return true;
+  }
+  return false;
 }
 
 StatedUnit stated_unit(std::string_view heading) {

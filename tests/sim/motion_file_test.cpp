@@ -159,6 +159,10 @@ TEST(At2Units, OfOtherQuantitiesOrUnknownAreRefusedByName) {
         << error(with_units(line));
   for (const auto& [line, message] : cases)
     EXPECT_NE(error(with_units(line)).find(message), std::string::npos) << error(with_units(line));
+  for (const char* title : {"ACC (MPS2)", "IN METERS PER SECOND PER SECOND", "A OF T <M/S2>"})
+    EXPECT_FALSE(
+        error(fmt::format("{}{}\nNPTS= 8, DT= .0050 SEC\n{}", kTitle, title, kValues)).empty())
+        << title;
 }
 
 TEST(At2Values, MayTouchAndEndLinesInAnyWay) {
@@ -350,6 +354,24 @@ TEST(ColumnUnits, OfOtherQuantitiesOrUnknownAreRefusedByName) {
             std::string::npos);
 }
 
+// Weak motions in m/s² are as large as strong ones in g, so no later check finds them.
+TEST(ColumnUnits, AtPlacesThatAreNotUnderstoodAreNotReadAsG) {
+  for (const char* heading :
+       {"# m/s2\nt,ns,ew", "Einheit: m/s2\nt,ns,ew", "t,ns,ew\n# a in m/s2", "t,a/ms-2,b/ms-2",
+        "# gal\nt,ns,ew", "t,ns [m/s2, raw],ew", "\"t, s\",\"ns, m/s2\",\"ew, m/s2\"",
+        "t,a_mps2,b_mps2", "t,NS-m/s2,EW-m/s2", "t,ns_m_s-2,ew_m_s-2",
+        "in metres per second squared\nt,ns,ew", "ug in m per s per s\nt,ns,ew", "t,ns [gal],ew"})
+    EXPECT_NE(test::error_of([&] {
+                static_cast<void>(acceleration_in_g(read(table(heading)), 2));
+              }).find("is unknown, expected g, m/s²"),
+              std::string::npos)
+        << heading;
+  for (const char* heading : {"Vs30 760 m/s, 2001\nt,ns,ew", "760 m/s 2001\nt,ns,ew"})
+    expect_values(acceleration_in_g(read(table(heading)), 1), {0.1, 0.2, 0.3}, heading);
+  expect_values(acceleration_in_g(read(table("t,ns {m/s2},$m/s^{2}$", kStandardGravity)), 1),
+                {0.1, 0.2, 0.3}, "braces");
+}
+
 TEST(ColumnFile, IsReadWithAnyLineEndsAndHeadings) {
   const std::string plain = table("time [s],ns [g],ew [g]");
   std::string carriage = plain;
@@ -383,13 +405,16 @@ TEST(ColumnFile, HasDecimalCommasWhereNothingElseSeparatesWithThem) {
 }
 
 TEST(ColumnFile, HasATimeInMillisecondsIfItsHeadingSaysSo) {
-  for (const char* heading : {"t [ms]", "time_ms", "Time (ms)", "time [msec]"})
+  for (const char* heading : {"t [ms]", "time_ms", "Time (ms)", "time [msec]", "t/ms",
+                              "time (milliseconds)", "time (in ms)"})
     EXPECT_NEAR(read(fmt::format("{},a,b\n0,1,1\n5,1,1\n10,1,1\n", heading)).time_step, 0.005,
                 1e-12)
         << heading;
   EXPECT_NEAR(read("t [sec.],a\n0,1\n.005,1\n").time_step, 0.005, 1e-12);
-  EXPECT_NE(error("t [min],a,b\n0,1,1\n5,1,1\n").find("the unit 'min' of the time"),
-            std::string::npos);
+  for (const char* unit : {"[min]", "(minutes)", "(hours)", "[0.1 s]", "(10 ms)", "(10ms)"})
+    EXPECT_NE(error(fmt::format("t {},a,b\n0,1,1\n.05,1,1\n", unit)).find("of the time"),
+              std::string::npos)
+        << unit;
 }
 
 TEST(ColumnFile, OfValuesAloneStatesNoStep) {
