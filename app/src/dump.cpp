@@ -81,7 +81,7 @@ int dump_ring(const DumpArguments& arguments) {
   do {
     print_changes(node, watched, elapsed().count(), printer);
     std::fflush(stdout);
-    if (arguments.once || printer.enough()) return kOk;
+    if (arguments.once || printer.enough() || std::ferror(stdout) != 0) return kOk;
     std::this_thread::sleep_for(kScanPeriod);
   } while (arguments.timeout_ms == 0 || elapsed() < milliseconds{arguments.timeout_ms});
   // Fewer changes than requested: the condition is not met.

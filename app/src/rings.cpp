@@ -23,7 +23,7 @@ std::string cards_of(const broker::RingReport& ring) {
 
 void describe(const broker::RingReport& ring) {
   if (!ring.usable) {
-    fmt::print("{}: {} bytes: {}\n", ring.name, ring.bytes, ring.trouble);
+    fmt::print("{}: {} bytes: {}\n", printable(ring.name), ring.bytes, ring.trouble);
     return;
   }
   fmt::print("{}: {} bytes, map '{}' version {} {}\n", ring.name, ring.bytes, ring.map_name,
@@ -73,9 +73,9 @@ Json json_of(const broker::RingReport& ring) {
 bool remove(const broker::RingReport& ring) {
   const bool removed = !ring.foreign && broker::remove_unused_ring(ring.name);
   if (removed)
-    fmt::print("removed {}\n", ring.name);
+    fmt::print("removed {}\n", printable(ring.name));
   else
-    fmt::print("kept {}: {}\n", ring.name,
+    fmt::print("kept {}: {}\n", printable(ring.name),
                ring.in_use()  ? "processes use it"
                : ring.foreign ? ring.trouble
                               : "cannot be removed");
@@ -97,7 +97,7 @@ bool remove_unused() {
   for (const auto& ring : broker::list_rings()) {
     if (ring.in_use()) continue;
     if (!ring.other_user.empty())
-      fmt::print("skipped {}: {}\n", ring.name, ring.trouble);
+      fmt::print("skipped {}: {}\n", printable(ring.name), ring.trouble);
     else if (ring.is_of_cards())
       fmt::print("kept {}: {}; 'rths clean {}' removes it\n", ring.name, cards_of(ring), ring.name);
     else

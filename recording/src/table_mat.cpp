@@ -5,12 +5,14 @@
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <span>
 
 #include <fmt/format.h>
 #include <matio.h>
 
 #include <rths/core/error.hpp>
 
+#include "hdf5.hpp"
 #include "probe.hpp"
 #include "table_formats.hpp"
 
@@ -133,17 +135,27 @@ bool is_mat(const std::filesystem::path& file) {
 
 Columns read_mat_columns(const std::filesystem::path& file) {
   probe(file, [&] { static_cast<void>(read_mat_columns(file)); });
+  silence_hdf5();
   const std::unique_ptr<mat_t, CloseFile> opened{Mat_Open(file.c_str(), MAT_ACC_RDONLY)};
   if (!opened) throw Error{file.string() + ": cannot be read as a MAT file"};
   Columns columns;
-  std::string objects;
-  while (true) {
-    const std::unique_ptr<matvar_t, FreeVariable> variable{Mat_VarReadNext(opened.get())};
-    if (!variable) break;
-    if (variable->name == nullptr) continue;
-    add_variable(variable->name, *variable, 0, columns);
-    if (is_object(*variable)) objects += fmt::format(" '{}'", variable->name);
+  std::string objects, unreadable;
+  std::size_t count = 0;
+  char* const* const names = Mat_GetDir(opened.get(), &count);
+  for (const std::string name : std::span{names, names == nullptr ? 0 : count}) {
+    const std::unique_ptr<matvar_t, FreeVariable> variable{Mat_VarRead(opened.get(), name.c_str())};
+    if (!variable) {
+      unreadable += fmt::format(" '{}'", name);
+      continue;
+    }
+    add_variable(name, *variable, 0, columns);
+    if (is_object(*variable)) objects += fmt::format(" '{}'", name);
   }
+  if (columns.empty() && !unreadable.empty())
+    throw Error{fmt::format(
+        "{}: the variables{} cannot be read; expected those that MATLAB writes (in version 7.3, "
+        "each has the attribute MATLAB_class)",
+        file.string(), unreadable)};
   if (columns.empty() && !objects.empty())
     throw Error{
         fmt::format("{}: holds objects that only MATLAB reads, such as time series:{}; "

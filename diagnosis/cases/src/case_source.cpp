@@ -56,13 +56,45 @@ double number_of(const Config& table, const std::string& key, const std::string&
   return value;
 }
 
-Trouble trouble_in(const Table& table, const std::vector<double>& values) {
-  const auto& columns = table.columns();
-  const auto column = std::find_if(columns.begin(), columns.end(),
-                                   [&](const auto& one) { return &one.values == &values; });
+const Table::Column& column_of(const Table& table, const std::vector<double>& values) {
+  return *std::find_if(table.columns().begin(), table.columns().end(),
+                       [&](const auto& one) { return &one.values == &values; });
+}
+
+Trouble trouble_in(const Table::Column& column) {
+  const auto& values = column.values;
   const auto bad =
       std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
-  return {column->trouble, bad - values.begin()};
+  return {column.trouble, bad - values.begin()};
+}
+
+// "mm" of "x [mm]"; empty if there is none.
+std::string in_brackets(const std::string& text) {
+  const auto close = text.rfind(']');
+  const auto open = close == std::string::npos ? close : text.rfind('[', close);
+  return open == std::string::npos ? "" : text.substr(open + 1, close - open - 1);
+}
+
+bool is_other_unit_of_its_quantity(const std::string& stated, const memmap::Unit& unit) {
+  try {
+    const auto found = memmap::parse_unit(stated);
+    return found.si == unit.si &&
+           (std::abs(found.scale / unit.scale - 1) > 1e-9 || found.offset != unit.offset);
+  } catch (const Error&) {
+    return false;  // not a unit that is known here
+  }
+}
+
+// A factor in the unit of the case is a calibration, and so is a unit of another quantity.
+void check_unit(const Table::Column& column, const Source& source,
+                const std::filesystem::path& file) {
+  const std::string unit = in_brackets(source.whole);
+  if (unit.empty() || std::string_view{"0123456789.+-"}.find(unit[0]) != std::string_view::npos)
+    return;
+  for (const std::string& stated : {column.unit, in_brackets(column.name)})
+    if (is_other_unit_of_its_quantity(stated, source.unit))
+      throw Error{fmt::format("{}: column '{}' is in {}, found [{}], expected [{}]", file.string(),
+                              column.name, stated, unit, stated)};
 }
 
 bool has(const Table& table, const std::string& name) {
@@ -112,7 +144,9 @@ std::vector<double> Files::column(const Config& table, const Source& source,
     const std::string whole = source.whole.substr(sign);
     const auto& raw =
         columns.column_with_gaps(has(columns, whole) ? whole : trimmed(source.column.substr(sign)));
-    trouble = trouble_in(columns, raw);
+    const Table::Column& column = column_of(columns, raw);
+    check_unit(column, source, source.file.empty() ? file : table.resolve(source.file));
+    trouble = trouble_in(column);
     std::vector<double> values;
     values.reserve(raw.size());
     for (const double value : raw) {
