@@ -25,8 +25,8 @@ LowPass::LowPass(int order, double cutoff, double period) {
   if (order < 2 || order > 2 * static_cast<int>(kMostSections) || order % 2 != 0)
     throw Error{fmt::format("low-pass: order is {}, expected 2, 4, 6 or 8", order)};
   if (!(period > 0) || !(cutoff > 0) || cutoff * period >= 0.5)
-    throw Error{fmt::format("low-pass: a cut-off of {} Hz needs a sampling rate above twice that",
-                            cutoff)};
+    throw Error{
+        fmt::format("low-pass: a cut-off of {} Hz needs a sampling rate above twice that", cutoff)};
   const double k = std::tan(std::numbers::pi * cutoff * period);
   for (int i = 0; i < order / 2; ++i) {
     // Pole pair of the analogue prototype: s² + (1/Q) s + 1.

@@ -67,28 +67,26 @@ TEST_P(StrangersTables, AreReadAsTheirCasesNameThem) {
 INSTANTIATE_TEST_SUITE_P(Formats, StrangersTables,
                          ::testing::Values("point_case", "dspace_case", "to_file_v5_case"));
 
-// Rows of units and headings; a factor is a calibration.
+// The unit of a row below the names; a factor is a calibration.
 TEST_F(RecordTest, RefusesAUnitThatContradictsItsFile) {
-  folder_.write("rows.csv", "t,u,F\ns,mm,kN\n0,0,10\n0.01,1,20\n0.02,2,30\n0.03,3,40\n");
-  folder_.write("headings.csv", "t [s],u [mm],F [kN]\n0,0,10\n0.01,1,20\n0.02,2,30\n0.03,3,40\n");
+  folder_.write("log.csv", "t,u,F\ns,mm,kN\n0,0,10\n0.01,1,20\n0.02,2,30\n0.03,3,40\n");
   const auto channels = [](const std::string& time, const std::string& u, const std::string& f) {
     return "time = \"" + time + "\"\ndisplacement.long = \"" + u + "\"\nforce.long = \"" + f +
            "\"\n";
   };
-  for (const std::string file : {"rows.csv", "headings.csv"}) {
-    const std::string record = "[[record]]\nfile = \"" + file + "\"\nuse = \"fit\"\n";
-    EXPECT_EQ(error(record, channels("t [s]", "u [mm]", "F [kN]")), "");
-    EXPECT_EQ(error(record, channels("t [s]", "u [mm]", "F [2 kN]")), "");
-    EXPECT_NE(error(record, channels("t [s]", "u [in]", "F [kN]"))
-                  .find(" is in mm, found [in], expected [mm]"),
-              std::string::npos);
-    EXPECT_NE(error(record, channels("t [s]", "u [mm]", "-F [kip]"))
-                  .find(" is in kN, found [kip], expected [kN]"),
-              std::string::npos);
-    EXPECT_NE(error(record, channels("t [ms]", "u [mm]", "F [kN]"))
-                  .find(" is in s, found [ms], expected [s]"),
-              std::string::npos);
-  }
+  EXPECT_EQ(error(kFit, channels("t [s]", "u [mm]", "F [kN]")), "");
+  EXPECT_EQ(error(kFit, channels("t [s]", "u [mm]", "F [2 kN]")), "");
+  const auto refuses = [&](const std::string& text, const std::string& why) {
+    EXPECT_NE(text.find(why), std::string::npos) << text;
+  };
+  refuses(error(kFit, channels("t [s]", "u [in]", "F [kN]")),
+          "is in mm, found [in], expected [mm]");
+  refuses(error(kFit, channels("t [s]", "u [mm]", "-F [kip]")),
+          "is in kN, found [kip], expected [kN]");
+  refuses(error(kFit, channels("t [ms]", "u [mm]", "F [kN]")), "is in s, found [ms], expected [s]");
+  folder_.write("log.csv", "t,u [mm],F\ns,in,kN\n0,0,10\n0.01,1,20\n0.02,2,30\n0.03,3,40\n");
+  refuses(error(kFit, channels("t [s]", "u [mm]", "F [kN]")),
+          "is in in, found [mm], expected [in]");
 }
 
 TEST_F(RecordTest, CutsSeveralRecordsOutOfOneFile) {
