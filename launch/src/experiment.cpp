@@ -219,9 +219,8 @@ void read_ring(const Config& file, Experiment& experiment) {
 
 // A part of the names of nodes and signals.
 bool is_host_name(const std::string& name) {
-  return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-    return is_letter_or_digit(c) || c == '_';
-  });
+  return !name.empty() && std::all_of(name.begin(), name.end(),
+                                      [](char c) { return is_letter_or_digit(c) || c == '_'; });
 }
 
 bool is_ip_address(const std::string& text) {

@@ -386,8 +386,7 @@ void Laboratory::keep() {
 std::filesystem::path make_test_folder(const std::filesystem::path& kept, const std::string& test) {
   std::string name = test;
   for (auto& letter : name)
-    if (!is_letter_or_digit(letter) && letter != '-' && letter != '.')
-      letter = '_';
+    if (!is_letter_or_digit(letter) && letter != '-' && letter != '.') letter = '_';
   const auto folder = kept / fmt::format("{}_{}", name, new_name());
   constexpr int kMostRivals = 100;  // tests that remove empty folders above this one meanwhile
   std::error_code error;

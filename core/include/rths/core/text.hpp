@@ -32,8 +32,8 @@ namespace rths {
 [[nodiscard]] std::optional<double> number_of(std::string_view text);
 
 /// The text with points in the numbers of its rows, if their commas are decimal: no number of a row
-/// has a point, blanks, tabs, semicolons or quotation marks separate the numbers, and a comma cannot
-/// be that of thousands.
+/// has a point, blanks, tabs, semicolons or quotation marks separate the numbers, and a comma
+/// cannot be that of thousands.
 [[nodiscard]] std::string with_decimal_points(std::string text);
 
 /// True for "0,005,1,5" split at its commas: pairs of whole numbers; at least one second number has
