@@ -38,12 +38,13 @@ Recorder::Recorder(const std::string& ring)
     signals_[offset] = i;
     first_.push_back(ring_->codec(signals[i]).decode(observer_.read(signals[i].signal->offset)));
   }
+  watch_.emplace(ring_->ring());
   thread_ = std::thread{[this] { record(); }};
 }
 
 void Recorder::record() {
   const WallClock clock;
-  broker::Watch watch{ring_->ring()};
+  broker::Watch& watch = *watch_;
   TimePoint next_look{0};
   TimePoint latest{std::numeric_limits<TimePoint::rep>::max()};
   for (;;) {
@@ -80,6 +81,7 @@ void Recorder::take(const broker::Write& write) {
 void Recorder::end() {
   ends_.store(true);
   if (thread_.joinable()) thread_.join();
+  watch_.reset();
 }
 
 void Recorder::write(const std::filesystem::path& file) {

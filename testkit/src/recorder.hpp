@@ -4,10 +4,12 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include <rths/broker/watch.hpp>
 #include <rths/testkit/signals.hpp>
 
 #include "foreign_log.hpp"
@@ -49,6 +51,7 @@ class Recorder {
   std::uint64_t missing_ = 0;  ///< writes that were lost, or for which there was no room
   TimePoint begun_;
   ForeignLog foreign_log_;
+  std::optional<broker::Watch> watch_;  ///< from the begin: no later store is taken for the first
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
