@@ -13,7 +13,6 @@
 
 #include <rths/adapters/child_program.hpp>
 #include <rths/adapters/opf_layout.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 
@@ -93,7 +92,8 @@ class ForeignNode {
         plan_{plan},
         ring_{ring},
         observer_{ring.observe()},
-        id_{ring.map().node(plan.node)} {
+        id_{ring.map().node(plan.node)},
+        signs_{observer_, ring.map(), plan.node} {
     if (plan.settings.program->command.empty())
       ask_for_program(place);
     else
@@ -119,7 +119,6 @@ class ForeignNode {
   }
 
   Ending watch(LauncherLink& launcher) {
-    const SignsOfLife signs{observer_, ring_.map(), plan_.node};
     PeerWatch peers{observer_, ring_.map(), experiment_, plan_.node};
     const WallClock clock;
     began_ = clock.now();
@@ -131,7 +130,7 @@ class ForeignNode {
       if (const auto trouble = launcher.find_trouble(now)) return {*trouble, false, false};
       if (auto ending = look_at_program()) return *ending;
       if (const auto trouble = peers.find_trouble(now)) return {*trouble, false, false};
-      if (const auto trouble = find_silence(signs.count(), now)) return {*trouble, false, false};
+      if (const auto trouble = find_silence(signs_.count(), now)) return {*trouble, false, false};
     }
   }
 
@@ -216,10 +215,8 @@ class ForeignNode {
 
   // OpenFresco locates the flags by counting the signals of its control points.
   [[nodiscard]] std::string missed_flag() const {
-    std::vector<std::string> names;
-    for (const auto& entry : ring_.map().signals()) names.push_back(entry.name);
     for (const char* flag : {"opf.newTarget", "daq.switchPC", "daq.atTarget"})
-      if (!contains(names, flag)) return "";
+      if (!ring_.map().find_signal(flag)) return "";
     const bool has_target = word("opf.newTarget") == 1;
     const char* const flag = has_target ? "daq.switchPC" : "daq.atTarget";
     if (word(flag) != 1) return "";
@@ -227,11 +224,13 @@ class ForeignNode {
     return fmt::format(
         "; {} is 1 at word {} since: a program that waits for it looks at another word, expected "
         "control points of {} signals to the controller and {} back",
-        flag, ring_.map().entry(ring_.map().signal(flag)).signal->offset.value(),
-        layout.commands.size(), layout.feedbacks.size());
+        flag, offset_of(flag).value(), layout.commands.size(), layout.feedbacks.size());
+  }
+  [[nodiscard]] LongwordOffset offset_of(const char* signal) const {
+    return ring_.map().entry(ring_.map().signal(signal)).signal->offset;
   }
   [[nodiscard]] std::uint32_t word(const char* signal) const {
-    return observer_.read(ring_.map().entry(ring_.map().signal(signal)).signal->offset);
+    return observer_.read(offset_of(signal));
   }
 
   void wait_until_left(Duration longest) const {
@@ -250,6 +249,7 @@ class ForeignNode {
   broker::Ring& ring_;
   broker::Node observer_;
   NodeId id_;
+  SignsOfLife signs_;  // from before the program: its first words count
   std::string name_, hint_;
   std::optional<adapters::ChildProgram> program_;
   int process_ = 0;
