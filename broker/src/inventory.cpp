@@ -18,8 +18,6 @@
 namespace rths::broker {
 namespace {
 
-constexpr const char* kObjectFolder = "/dev/shm";
-
 void describe_occupants(Segment& segment, const memmap::Map& map, RingReport& report) {
   for (Slot& slot : segment.slots()) {
     const Claim claim = std::atomic_ref{slot.claim}.load();
@@ -65,7 +63,7 @@ void inspect_segment(RingReport& report) {
 
 std::optional<RingReport> inspect(const std::string& name) {
   struct stat object {};
-  if (lstat((kObjectFolder + ("/" + object_name(name))).c_str(), &object) != 0) return std::nullopt;
+  if (lstat(object_path(name).c_str(), &object) != 0) return std::nullopt;
   RingReport report;
   report.name = name;
   report.bytes = static_cast<std::uint64_t>(object.st_size);

@@ -190,7 +190,7 @@ void Node::leave() noexcept {
   Slot& slot = std::exchange(segment_, nullptr)->slots()[slot_];
   Claim self = claim_;
   // A forked child has a copy of its parent's node. Another process takes the slot of a dead one.
-  if (pid_of(self) != getpid() || shared(slot.claim).load() != self) return;
+  if (self != own_claim() || shared(slot.claim).load() != self) return;
   if (writer_) writer_->journal.time(now(), Duration{0});
   shared(slot.node).store(kNotYet);
   shared(slot.claim).compare_exchange_strong(self, 0);

@@ -2,6 +2,7 @@
 #include "process.hpp"
 
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/mman.h>
 #include <sys/random.h>
 #include <sys/stat.h>
@@ -40,10 +41,11 @@ std::uint64_t own_namespace() {
 std::uint64_t namespace_of(Claim claim) { return claim >> kPidBits & kNamespaceMask; }
 
 Claim new_claim() {
+  const std::uint64_t here = own_namespace() & kNamespaceMask;
   std::uint64_t random = 0;
-  if (getrandom(&random, sizeof random, 0) != sizeof random) random = own_namespace();
-  return (random & kRandomMask) << (kPidBits + kNamespaceBits) |
-         (own_namespace() & kNamespaceMask) << kPidBits | static_cast<std::uint64_t>(getpid());
+  if (getrandom(&random, sizeof random, 0) != sizeof random) random = here;
+  return (random & kRandomMask) << (kPidBits + kNamespaceBits) | here << kPidBits |
+         static_cast<std::uint64_t>(getpid());
 }
 
 // Locks of an open file description: they belong to a descriptor, not to a process, so closing
@@ -78,27 +80,29 @@ int open_again(int object) {
 
 }  // namespace
 
+// The first process of a namespace may have the id of its parent, so a fork forgets the claim, too.
 Claim own_claim() {
   static std::atomic<Claim> claim{0};
+  [[maybe_unused]] static const int forgotten =
+      pthread_atfork(nullptr, nullptr, [] { claim.store(0); });
   Claim found = claim.load();
-  while (pid_of(found) != getpid()) {  // none yet, or that of the parent
+  while (pid_of(found) != getpid()) {  // none yet
     const Claim fresh = new_claim();
     if (claim.compare_exchange_weak(found, fresh)) return fresh;
   }
   return found;
 }
 
-bool is_of_this_namespace(Claim claim) {
-  return namespace_of(claim) == (own_namespace() & kNamespaceMask);
-}
+bool is_of_this_namespace(Claim claim) { return namespace_of(claim) == namespace_of(own_claim()); }
 
 std::string in_words(Claim claim) {
   if (is_of_this_namespace(claim)) return fmt::format("process {}", pid_of(claim));
   return fmt::format("process {} of PID namespace {} (here: {})", pid_of(claim),
-                     kFirstNamespace + namespace_of(claim), kFirstNamespace + own_namespace());
+                     kFirstNamespace + namespace_of(claim),
+                     kFirstNamespace + namespace_of(own_claim()));
 }
 
-Membership::Membership(int object) : page_{MAP_FAILED}, process_{getpid()} {
+Membership::Membership(int object) : page_{MAP_FAILED}, self_{own_claim()} {
   const int descriptor = open_again(object);
   try {
     lock_own_claim(descriptor);
@@ -113,7 +117,7 @@ Membership::Membership(int object) : page_{MAP_FAILED}, process_{getpid()} {
 }
 
 Membership::~Membership() {
-  if (process_ == getpid()) munmap(page_, kPageBytes);
+  if (self_ == own_claim()) munmap(page_, kPageBytes);
 }
 
 // The lock on all bytes is that of a process that removes the object. If the kernel cannot tell,

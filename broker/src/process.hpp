@@ -40,7 +40,7 @@ class Membership {
 
  private:
   void* page_;
-  pid_t process_;
+  Claim self_;
 };
 
 /// The processes that are on an object, by their locks.

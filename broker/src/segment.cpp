@@ -128,7 +128,7 @@ Segment::Segment(std::unique_ptr<Memory> memory, const Header& layout, memmap::M
 
 Segment::~Segment() {
   Claim creator = layout_.creator;
-  if (creator_ && pid_of(creator) == getpid())  // not in a forked child
+  if (creator_ && creator == own_claim())  // not in a forked child
     std::atomic_ref{slots()[0].claim}.compare_exchange_strong(creator, 0);
 }
 

@@ -36,6 +36,8 @@ struct stat status_of(int descriptor) {
 
 std::string object_name(const std::string& ring) { return "rths." + ring; }
 
+std::string object_path(const std::string& ring) { return kFolder + path_of(ring); }
+
 std::vector<std::string> ring_names() {
   const std::string prefix = object_name("");
   std::vector<std::string> names;
@@ -90,8 +92,7 @@ SharedObject SharedObject::create(std::uint64_t bytes) {
 
 void SharedObject::publish(const std::string& ring) const {
   const std::string link = "/proc/self/fd/" + std::to_string(descriptor_);
-  if (linkat(AT_FDCWD, link.c_str(), AT_FDCWD, (kFolder + path_of(ring)).c_str(),
-             AT_SYMLINK_FOLLOW) != 0)
+  if (linkat(AT_FDCWD, link.c_str(), AT_FDCWD, object_path(ring).c_str(), AT_SYMLINK_FOLLOW) != 0)
     fail(errno);
 }
 
@@ -128,7 +129,7 @@ bool SharedObject::read(std::uint64_t begin, void* to, std::size_t bytes) const 
 
 bool SharedObject::has_name(const std::string& ring) const {
   struct stat named {};
-  return lstat((kFolder + path_of(ring)).c_str(), &named) == 0 && named.st_dev == device_ &&
+  return lstat(object_path(ring).c_str(), &named) == 0 && named.st_dev == device_ &&
          named.st_ino == inode_;
 }
 

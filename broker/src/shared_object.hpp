@@ -82,6 +82,8 @@ class SharedObject {
 
 /// Name of the shared-memory object of a ring.
 [[nodiscard]] std::string object_name(const std::string& ring);
+/// Its path in the file system.
+[[nodiscard]] std::string object_path(const std::string& ring);
 /// Names of the rings of this host, sorted.
 [[nodiscard]] std::vector<std::string> ring_names();
 /// Removes the name of a ring. @returns false if there was none, or it may not be removed

@@ -41,7 +41,7 @@ struct Watch::State {
                         in_words(holder))};
     }
     ~OnlyWatch() {
-      if (pid_of(self_) == getpid()) watcher_.compare_exchange_strong(self_, 0);
+      if (self_ == own_claim()) watcher_.compare_exchange_strong(self_, 0);
     }
     OnlyWatch(const OnlyWatch&) = delete;
     OnlyWatch& operator=(const OnlyWatch&) = delete;

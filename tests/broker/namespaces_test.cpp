@@ -220,6 +220,30 @@ TEST_F(Namespaces, ANodeOfAnotherContainerIsAliveAndNamedWithItsNamespace) {
   EXPECT_EQ(ring.observe().presence_of(NodeId{1}).state, Presence::State::Alive);
 }
 
+// A first process that makes another namespace has the id of its child there.
+TEST_F(Namespaces, AFirstProcessOfAFirstProcessHasAClaimOfItsOwn) {
+  const pid_t outside = fork();
+  if (outside == 0) {
+    if (unshare(CLONE_NEWPID) != 0) _exit(2);
+    const pid_t first = fork();
+    if (first == 0) {
+      const Claim parents = own_claim();
+      if (unshare(CLONE_NEWPID) != 0) _exit(2);
+      const pid_t nested = fork();
+      if (nested == 0) _exit(getpid() == 1 && own_claim() != parents ? 0 : 1);
+      int status = 0;
+      waitpid(nested, &status, 0);
+      _exit(getpid() == 1 && own_claim() == parents ? WEXITSTATUS(status) : 1);
+    }
+    int status = 0;
+    waitpid(first, &status, 0);
+    _exit(WEXITSTATUS(status));
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(outside, &status, 0), outside);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
 TEST_F(Namespaces, ADeathIsSeenInEveryContainer) {
   ASSERT_EQ(containers[0]->ask("create"), "ok");
   ASSERT_EQ(containers[1]->ask("join machine"), "ok");

@@ -26,7 +26,8 @@ namespace csr2 {
 inline constexpr std::uint32_t kNoFibreLoopback = 0x40, kWireLoopback = 0x80, kNoHostWrite = 0x100,
                                kReceiveOwn = 0x200, kInterruptOwn = 0x400, kLongBlocks = 0x800,
                                kBlocks = 0x1000, kHiPro = 0x2000, kNoCorrection = 0x8000;
-}
+inline constexpr std::uint32_t kWriteMeLast = kNoHostWrite | kReceiveOwn;
+}  // namespace csr2
 namespace csr5 {
 inline constexpr std::uint32_t kNotEmpty = 0x8000, kRepeated = 0x4000;
 }

@@ -66,8 +66,7 @@ void Board::wait_for_scan() const {
 
 void Board::wait_for_own_stores() const {
   const Carried& carried = session_.card().carried;
-  constexpr std::uint32_t kWriteMeLast = csr2::kNoHostWrite | csr2::kReceiveOwn;
-  if (carried.active.load() != 0 && Registers{session_.card()}.all_set(2, kWriteMeLast))
+  if (carried.active.load() != 0 && Registers{session_.card()}.all_set(2, csr2::kWriteMeLast))
     scramnet::wait_for_own_stores(carried);
 }
 

@@ -100,7 +100,7 @@ bool CardSession::owns(std::uint64_t begin, std::uint64_t longwords) const {
   return owned == longwords;
 }
 
-bool CardSession::is_of_this_process() const { return broker::pid_of(self_) == getpid(); }
+bool CardSession::is_of_this_process() const { return self_ == broker::own_claim(); }
 
 void CardSession::leave() {
   if (!is_of_this_process()) return;

@@ -24,7 +24,7 @@ memmap::Map plain_map(const Settings& settings) {
 }
 
 bool exists(const std::string& ring) {
-  return access(("/dev/shm/" + broker::object_name(ring)).c_str(), F_OK) == 0;
+  return access(broker::object_path(ring).c_str(), F_OK) == 0;
 }
 
 void announce_plain_ring(const Settings& settings) {

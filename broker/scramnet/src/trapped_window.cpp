@@ -97,7 +97,7 @@ bool TrappedWindow::withholds() const {
 }
 
 bool TrappedWindow::writes_last() const {
-  return Registers{*card.load()}.all_set(2, csr2::kNoHostWrite | csr2::kReceiveOwn);
+  return Registers{*card.load()}.all_set(2, csr2::kWriteMeLast);
 }
 
 void TrappedWindow::protect(std::uint64_t at, int protection) const {
