@@ -3,6 +3,7 @@
  * Modelled on the vendor's network exerciser: all members store into the same random places of a
  * common area, whose every word shows its member, and into a sequence of their own. Each checks the
  * common area and the sequences of the others. Arguments: its number, the time [s]. */
+#define _POSIX_C_SOURCE 200809L
 #include <scrplus.h>
 #include <stdio.h>
 #include <stdlib.h>
