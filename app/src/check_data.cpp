@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -59,25 +61,36 @@ int check_motion(const std::string& file) {
 }
 
 // Whether headings of a file name other quantities than those of the ground, such as a force.
-bool is_log(const std::string& file) {
-  try {
-    const auto table = recording::Table::load(file);
-    bool has_other = false;
-    for (const auto& column : table.columns()) {
-      const auto stated = sim::stated_unit(
-          column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit));
-      if (stated.unit != nullptr && stated.unit->kind == sim::MotionUnit::Kind::Acceleration)
-        return false;
-      const bool is_time = &column == &table.columns().front();
-      has_other = has_other ||
-                  (!is_time &&
-                   (!stated.unknown.empty() ||
-                    (stated.unit != nullptr && stated.unit->kind == sim::MotionUnit::Kind::Other)));
-    }
-    return has_other;
-  } catch (const Error&) {
-    return false;
+bool is_log(const recording::Table& table) {
+  bool has_other = false;
+  for (const auto& column : table.columns()) {
+    const auto stated = sim::stated_unit(
+        column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit));
+    if (stated.unit != nullptr && stated.unit->kind == sim::MotionUnit::Kind::Acceleration)
+      return false;
+    const bool is_time = &column == &table.columns().front();
+    has_other = has_other ||
+                (!is_time &&
+                 (!stated.unknown.empty() ||
+                  (stated.unit != nullptr && stated.unit->kind == sim::MotionUnit::Kind::Other)));
   }
+  return has_other;
+}
+
+// The columns of a log; empty if the file is none.
+std::optional<recording::Table> read_log(const std::string& file) {
+  try {
+    auto table = recording::Table::load(file);
+    return is_log(table) ? std::optional{std::move(table)} : std::nullopt;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+int describe_table(const std::string& file, const recording::Table& table) {
+  fmt::print("{}: table of {} columns for the records of a case\n", file, table.columns().size());
+  for (const auto& column : table.columns()) fmt::print("  {}\n", describe_values(column));
+  return kOk;
 }
 
 }  // namespace
@@ -98,10 +111,7 @@ std::string range_of(const std::vector<double>& values) {
 }
 
 int check_table(const std::string& file) {
-  const auto table = recording::Table::load(file);
-  fmt::print("{}: table of {} columns for the records of a case\n", file, table.columns().size());
-  for (const auto& column : table.columns()) fmt::print("  {}\n", describe_values(column));
-  return kOk;
+  return describe_table(file, recording::Table::load(file));
 }
 
 // Columns of ground motion, unless their headings say otherwise.
@@ -109,9 +119,10 @@ int check_columns(const std::string& file) {
   try {
     return check_motion(file);
   } catch (const Error&) {
-    if (!is_log(file)) throw;
+    const auto log = read_log(file);
+    if (!log) throw;
+    return describe_table(file, *log);
   }
-  return check_table(file);
 }
 
 }  // namespace rths::app

@@ -57,10 +57,7 @@ Words choices_of(const CLI::Option& option) {
 Words signals_of(const std::string& source) {
   try {
     if (std::filesystem::exists(source)) return recording::Reader{recording_in(source)}.names();
-    Words names;
-    const broker::Ring ring = broker::Ring::attach(source);
-    for (const auto& entry : ring.map().signals()) names.push_back(entry.name);
-    return names;
+    return broker::Ring::attach(source).map().signal_names();
   } catch (const Error&) {
     return {};
   }

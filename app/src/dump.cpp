@@ -96,12 +96,12 @@ struct Column {
 
 // The unit in which `rths dump` prints the word on the ring. Others are recorded in SI alone.
 Column in_map_unit(Column column, const memmap::Map& map) {
-  for (const auto& entry : map.signals()) {
-    if (entry.name != column.name) continue;
-    const memmap::Codec codec{*entry.signal};
-    for (double& value : column.values) value = codec.from_si(value);
-    column.unit = entry.signal->unit;
-  }
+  const auto found = map.find_signal(column.name);
+  if (!found) return column;
+  const memmap::Signal& signal = *map.entry(*found).signal;
+  const memmap::Codec codec{signal};
+  for (double& value : column.values) value = codec.from_si(value);
+  column.unit = signal.unit;
   return column;
 }
 

@@ -44,11 +44,9 @@ inline std::vector<std::string> selected(const std::vector<std::string>& names,
 /// @throws Error as selected
 inline std::vector<const memmap::SignalEntry*> selected_signals(
     const broker::Ring& ring, const std::string& name, const std::vector<std::string>& patterns) {
-  std::vector<std::string> names;
-  for (const auto& entry : ring.map().signals()) names.push_back(entry.name);
-  names = selected(names, patterns, "ring '" + name + "'");
   std::vector<const memmap::SignalEntry*> signals;
-  for (const auto& one : names) signals.push_back(&ring.map().entry(ring.map().signal(one)));
+  for (const auto& one : selected(ring.map().signal_names(), patterns, "ring '" + name + "'"))
+    signals.push_back(&ring.map().entry(ring.map().signal(one)));
   return signals;
 }
 

@@ -67,9 +67,7 @@ std::vector<std::string> signals_beside(const std::string& name, const memmap::M
 
 const memmap::SignalEntry& entry_named(const std::string& name, const memmap::Map& map) {
   if (const auto found = map.find_signal(name)) return map.entry(*found);
-  std::vector<std::string> names;
-  for (const auto& entry : map.signals()) names.push_back(entry.name);
-  std::string hint = did_you_mean(name, names);
+  std::string hint = did_you_mean(name, map.signal_names());
   if (hint.empty()) hint = did_you_mean_one_of(name, signals_beside(name, map));
   throw Error{
       fmt::format("the ring's map '{}' has no signal '{}'{}", map.description().name, name, hint)};

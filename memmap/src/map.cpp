@@ -86,12 +86,16 @@ std::optional<SignalId> Map::find_signal(const std::string& full_name) const {
   return SignalId{found->second};
 }
 
-SignalId Map::signal(const std::string& full_name) const {
-  if (const auto found = find_signal(full_name)) return *found;
+std::vector<std::string> Map::signal_names() const {
   std::vector<std::string> names;
   for (const auto& entry : signals_) names.push_back(entry.name);
+  return names;
+}
+
+SignalId Map::signal(const std::string& full_name) const {
+  if (const auto found = find_signal(full_name)) return *found;
   throw Error{fmt::format("map '{}' has no signal '{}'{}", description_.name, full_name,
-                          did_you_mean(full_name, names))};
+                          did_you_mean(full_name, signal_names()))};
 }
 
 NodeId Map::node(const std::string& name) const {

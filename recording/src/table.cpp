@@ -44,7 +44,7 @@ bool Table::is_format_of(const std::filesystem::path& file) {
 }
 
 const std::vector<double>& Table::column(const std::string& name) const {
-  const Column& column = found(name);
+  const Column& column = column_with_gaps(name);
   if (!column.trouble.empty()) throw Error{column.trouble};
   return column.values;
 }
@@ -91,7 +91,7 @@ bool is_same(std::string_view asked, std::string_view known) {
 
 }  // namespace
 
-const Table::Column& Table::found(const std::string& name) const {
+const Table::Column& Table::column_with_gaps(const std::string& name) const {
   if (name.size() > 1 && name[0] == '#') {
     const auto position = std::strtoul(name.c_str() + 1, nullptr, 10);
     if (position >= 1 && position <= columns_.size()) return columns_[position - 1];

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/text.hpp>
 
 #include "motion_text.hpp"
@@ -15,7 +16,7 @@ constexpr NumberStyle kStyle{.fortran = true};
 std::size_t take_whole(std::string_view& text) {
   constexpr std::size_t kMost = 1000;
   std::size_t number = 0;
-  while (!text.empty() && text.front() >= '0' && text.front() <= '9' && number < kMost) {
+  while (!text.empty() && is_digit(text.front()) && number < kMost) {
     number = 10 * number + static_cast<std::size_t>(text.front() - '0');
     text.remove_prefix(1);
   }

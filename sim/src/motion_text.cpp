@@ -8,12 +8,12 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::sim {
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_sign(char c) { return c == '+' || c == '-'; }
 
 std::size_t digits_from(std::string_view text, std::size_t at) {

@@ -52,8 +52,8 @@ TEST(Excerpt, IsWrittenAsAMatFile) {
   const Table table = Table::load(file);
   EXPECT_EQ(table.column("time"), kExcerpt.time);
   EXPECT_EQ(table.column("values(1)"), kExcerpt.values[0]);
-  EXPECT_EQ(table.column_with_gaps("values(2)")[0], 1);
-  EXPECT_TRUE(std::isnan(table.column_with_gaps("values(2)")[1]));
+  EXPECT_EQ(table.column_with_gaps("values(2)").values[0], 1);
+  EXPECT_TRUE(std::isnan(table.column_with_gaps("values(2)").values[1]));
   EXPECT_EQ(cells(file, "names"), kExcerpt.names);
   EXPECT_EQ(cells(file, "units"), kExcerpt.units);
 }

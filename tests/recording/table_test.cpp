@@ -71,8 +71,8 @@ TEST_F(TableTest, ReportsAMissingNumberOnlyInARequestedColumn) {
     const auto message = test::error_of([&] { static_cast<void>(table.column("u")); });
     EXPECT_EQ(message.substr(message.find("log.csv")),
               "log.csv:3: found '" + cell + "' in column 'u', expected a finite number");
-    EXPECT_EQ(table.column_with_gaps("u")[0], 1);
-    EXPECT_TRUE(std::isnan(table.column_with_gaps("u")[1]));
+    EXPECT_EQ(table.column_with_gaps("u").values[0], 1);
+    EXPECT_TRUE(std::isnan(table.column_with_gaps("u").values[1]));
   }
 }
 
@@ -95,7 +95,7 @@ TEST_F(TableTest, SkipsLinesWithANumberAboveTheNames) {
   EXPECT_EQ(pair.column("t"), (Values{0, 0.1}));
   // A row with a text is a row.
   EXPECT_EQ(load("t,u,day\n0,1,Mon\n0.1,,Mon\n").column("t"), (Values{0, 0.1}));
-  EXPECT_EQ(load("t,u,day\n0,1,Mon\n,,Mon\n").column_with_gaps("u").size(), 2U);
+  EXPECT_EQ(load("t,u,day\n0,1,Mon\n,,Mon\n").column_with_gaps("u").values.size(), 2U);
 }
 
 // A logger ends each line with a separator, or leaves a cell empty.
@@ -108,7 +108,7 @@ TEST_F(TableTest, ReadsEmptyCellsOfTheFirstRow) {
   }
   const Table hole = load("t,u,F\n0,,5\n1,2,6\n");
   EXPECT_EQ(hole.column("F"), (Values{5, 6}));
-  EXPECT_TRUE(std::isnan(hole.column_with_gaps("u")[0]));
+  EXPECT_TRUE(std::isnan(hole.column_with_gaps("u").values[0]));
 }
 
 TEST_F(TableTest, RefusesUtf16) {

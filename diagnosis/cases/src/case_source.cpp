@@ -31,21 +31,27 @@ std::string read_file(const Config& table, const std::string& key, const std::st
 }
 
 // "before [unit] behind"
-struct Segments {
-  std::string before, whole, behind;
+struct Brackets {
+  std::string before, within, whole, behind;
+};
+
+std::optional<Brackets> brackets_of(const std::string& text) {
+  const auto close = text.rfind(']');
+  const auto open = close == std::string::npos ? close : text.rfind('[', close);
+  if (open == std::string::npos) return std::nullopt;
+  return Brackets{trimmed(text.substr(0, open)), text.substr(open + 1, close - open - 1),
+                  trimmed(text.substr(0, close + 1)), trimmed(text.substr(close + 1))};
+}
+
+struct Segments : Brackets {
   memmap::Unit unit{"1", 1, 0};
 };
 
 Segments segments_of(const Config& table, const std::string& key) {
   const std::string text = table.text(key);
-  const auto close = text.rfind(']');
-  const auto open = close == std::string::npos ? close : text.rfind('[', close);
-  if (open == std::string::npos)
-    table.fail(key, fmt::format("'{}' names no unit, {}", text, kExpected));
-  const std::string unit = text.substr(open + 1, close - open - 1);
-  return {trimmed(text.substr(0, open)), trimmed(text.substr(0, close + 1)),
-          trimmed(text.substr(close + 1)),
-          table.placed(key, [&] { return memmap::parse_unit(unit); })};
+  const auto brackets = brackets_of(text);
+  if (!brackets) table.fail(key, fmt::format("'{}' names no unit, {}", text, kExpected));
+  return {*brackets, table.placed(key, [&] { return memmap::parse_unit(brackets->within); })};
 }
 
 double number_of(const Config& table, const std::string& key, const std::string& text) {
@@ -56,23 +62,11 @@ double number_of(const Config& table, const std::string& key, const std::string&
   return value;
 }
 
-const Table::Column& column_of(const Table& table, const std::vector<double>& values) {
-  return *std::find_if(table.columns().begin(), table.columns().end(),
-                       [&](const auto& one) { return &one.values == &values; });
-}
-
 Trouble trouble_in(const Table::Column& column) {
   const auto& values = column.values;
   const auto bad =
       std::find_if(values.begin(), values.end(), [](double value) { return std::isnan(value); });
   return {column.trouble, bad - values.begin()};
-}
-
-// "mm" of "x [mm]"; empty if there is none.
-std::string in_brackets(const std::string& text) {
-  const auto close = text.rfind(']');
-  const auto open = close == std::string::npos ? close : text.rfind('[', close);
-  return open == std::string::npos ? "" : text.substr(open + 1, close - open - 1);
 }
 
 bool is_other_unit_of_its_quantity(const std::string& stated, const memmap::Unit& unit) {
@@ -88,10 +82,11 @@ bool is_other_unit_of_its_quantity(const std::string& stated, const memmap::Unit
 // A factor in the unit of the case is a calibration, and so is a unit of another quantity.
 void check_unit(const Table::Column& column, const Source& source,
                 const std::filesystem::path& file) {
-  const std::string unit = in_brackets(source.whole);
+  const std::string& unit = source.unit_text;
   if (unit.empty() || std::string_view{"0123456789.+-"}.find(unit[0]) != std::string_view::npos)
     return;
-  for (const std::string& stated : {column.unit, in_brackets(column.name)})
+  const auto heading = brackets_of(column.name);
+  for (const std::string& stated : {column.unit, heading ? heading->within : ""})
     if (is_other_unit_of_its_quantity(stated, source.unit))
       throw Error{fmt::format("{}: column '{}' is in {}, found [{}], expected [{}]", file.string(),
                               column.name, stated, unit, stated)};
@@ -107,8 +102,13 @@ bool has(const Table& table, const std::string& name) {
 
 Source source_of(const Config& table, const std::string& key) {
   const Segments text = segments_of(table, key);
-  Source source{key,          text.before, text.whole,
-                std::nullopt, text.unit,   read_file(table, key, text.behind)};
+  Source source{key,
+                text.before,
+                text.whole,
+                std::nullopt,
+                text.unit,
+                text.within,
+                read_file(table, key, text.behind)};
   if (text.before.empty())
     table.fail(key, fmt::format("'{}' names no column, {}", table.text(key), kExpected));
   if (text.before.front() != '=') return source;
@@ -142,14 +142,13 @@ std::vector<double> Files::column(const Config& table, const Source& source,
         source.column.front() == '-' && !has(columns, source.column) && !has(columns, source.whole);
     const std::size_t sign = is_negated ? 1 : 0;
     const std::string whole = source.whole.substr(sign);
-    const auto& raw =
+    const Table::Column& column =
         columns.column_with_gaps(has(columns, whole) ? whole : trimmed(source.column.substr(sign)));
-    const Table::Column& column = column_of(columns, raw);
     check_unit(column, source, source.file.empty() ? file : table.resolve(source.file));
     trouble = trouble_in(column);
     std::vector<double> values;
-    values.reserve(raw.size());
-    for (const double value : raw) {
+    values.reserve(column.values.size());
+    for (const double value : column.values) {
       const double si = source.unit.scale * value + source.unit.offset;
       values.push_back(is_negated ? -si : si);
     }

@@ -26,7 +26,8 @@ struct Source {
   std::string whole;             ///< column and unit as written: the name in some files
   std::optional<double> number;  ///< instead of a column [SI]
   memmap::Unit unit{"1", 1, 0};
-  std::string file;  ///< empty: the record's file
+  std::string unit_text;  ///< as written
+  std::string file;       ///< empty: the record's file
 };
 
 /// @throws Error with the position of `key`   @setup

@@ -91,6 +91,8 @@ class Map {
   [[nodiscard]] const std::vector<Partition>& partitions() const { return description_.partitions; }
   /// All signals, in order of offset.
   [[nodiscard]] const std::vector<SignalEntry>& signals() const { return signals_; }
+  /// Their names, in the same order.
+  [[nodiscard]] std::vector<std::string> signal_names() const;
 
   /// @throws Error with the closest known signal
   [[nodiscard]] SignalId signal(const std::string& full_name) const;

@@ -42,13 +42,9 @@ class Table {
   ///         finite number
   [[nodiscard]] const std::vector<double>& column(const std::string& name) const;
   /// The same, with NaN for cells that are not a finite number.
-  [[nodiscard]] const std::vector<double>& column_with_gaps(const std::string& name) const {
-    return found(name).values;
-  }
+  [[nodiscard]] const Column& column_with_gaps(const std::string& name) const;
 
  private:
-  [[nodiscard]] const Column& found(const std::string& name) const;
-
   std::string file_;
   std::vector<Column> columns_;
 };
