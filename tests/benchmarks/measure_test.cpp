@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "bench/ring/src/peer_rows.hpp"
+#include "benchmarks/ring/src/peer_rows.hpp"
 #include "support/files.hpp"
 
 namespace rths::bench {

@@ -68,7 +68,7 @@ Forces opensees_forces(const TwoBearings& bearing, const Path& path) {
                                {"motion", (folder.path() / "motion.csv").string()},
                                {"forces", forces.string()}};
   const auto file = folder.write("case.json", said.dump());
-  const auto script = test::source_tree() / "bench/bearings/opensees/bearing.py";
+  const auto script = test::source_tree() / "benchmarks/bearings/opensees/bearing.py";
   test::Running running{{test::opensees_python().value(), script.string(), file.string()}};
   const auto finished = running.wait(kTimeout);
   if (finished.exit_code != 0) throw std::runtime_error{"OpenSees: " + finished.err};

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Cases of the trial's own generator in C++ (tests/diagnosis/trial), a closed-loop test of a lead-rubber bearing."""
+"""Cases of the trial's own generator in C++ (../generator), a closed-loop test of a lead-rubber bearing."""
 import json
 import os
 import shutil

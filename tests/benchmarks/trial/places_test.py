@@ -127,7 +127,7 @@ class Sizes(unittest.TestCase):
         self.assertEqual(judge(verdict("missing", other), answer(hidden))["sizes"], [])
 
     def test_every_size_is_a_parameter_of_the_generator(self):
-        source = pathlib.Path(__file__).parents[3] / "tests/diagnosis/trial/parameters.cpp"
+        source = pathlib.Path(__file__).parents[3] / "benchmarks/diagnosis/generator/parameters.cpp"
         for size in sizes.SIZES:
             self.assertIn(f'"{size.ours}"', source.read_text())
 
