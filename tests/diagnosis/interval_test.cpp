@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/LU>
 
-#include <rths/identification/scores.hpp>
+#include <rths/identification/constants.hpp>
 
 #include "support/long_run.hpp"
 

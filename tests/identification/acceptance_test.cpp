@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/identification/constants.hpp>
+
 #include "identification/linear_relation.hpp"
 
 namespace rths::diagnosis {

@@ -7,6 +7,7 @@
 
 #include <rths/core/error.hpp>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 #include "identification/linear_relation.hpp"

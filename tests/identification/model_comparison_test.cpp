@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 #include "identification/linear_relation.hpp"

@@ -6,12 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/identification/constants.hpp>
+
 #include "identification/linear_relation.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
-constexpr std::size_t kResamples = 400;
 constexpr Eigen::Index kChangeRows = 400;
 
 double mean_of(const std::vector<double>& values) {
@@ -126,7 +127,7 @@ TEST(ResampledSums, HaveMeanAndVarianceOfDrawnTriples) {
 
   const auto sums = resampled_sums(blocks, 7);
 
-  ASSERT_EQ(sums.size(), kResamples);
+  ASSERT_EQ(sums.size(), std::size_t{kResamples});
   EXPECT_NEAR(mean_of(sums), 100 * mean_of(triples), 3 * std::sqrt(variance / kResamples));
   EXPECT_NEAR(square_deviation(sums) / variance, 1, 3 * std::sqrt(2.0 / kResamples));
 }

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/constants.hpp>
+
 #include "designs.hpp"
 #include "separation.hpp"
 #include "state_coverage.hpp"

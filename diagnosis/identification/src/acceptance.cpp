@@ -3,14 +3,10 @@
 
 #include <algorithm>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 namespace rths::diagnosis {
-namespace {
-
-constexpr double kTieShare = 0.01;  // of the best gain: smaller differences are ties
-
-}  // namespace
 
 bool is_beneficial(const std::vector<double>& differences, double least, std::uint64_t seed) {
   const double gain = sum(differences);

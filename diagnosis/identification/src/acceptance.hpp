@@ -5,9 +5,6 @@
 
 namespace rths::diagnosis {
 
-inline constexpr double kLeastAcceptedGain = 18;   ///< over both folds [nat]
-inline constexpr double kLeastGainOfAnEvent = 90;  ///< that many resampled records lack [nat]
-
 /// Returns true if a model gains more than `least` over another one, also in resampled records.
 /// @param differences  of the held-out scores, by block [nat]   @param least  [nat]
 [[nodiscard]] bool is_beneficial(const std::vector<double>& differences, double least,

@@ -7,6 +7,8 @@
 #include <numeric>
 #include <random>
 
+#include <rths/identification/constants.hpp>
+
 #include "transform.hpp"
 
 namespace rths::diagnosis {
@@ -47,7 +49,6 @@ std::vector<double> Cells::shares() const {
 
 // Small excesses are below the noise one by one but not in their sum, so every cell counts.
 std::vector<bool> Cells::place() const {
-  constexpr double kShare = 0.8;  // of the excess
   double total = 0;
   for (std::size_t i = 0; i < size(); ++i) total += beyond_noise(i);
   std::vector<std::size_t> order(size());
@@ -57,7 +58,7 @@ std::vector<bool> Cells::place() const {
   std::vector<bool> inside(size(), false);
   double held = 0;
   for (const std::size_t cell : order) {
-    if (held >= kShare * total || beyond_noise(cell) <= 0) break;
+    if (held >= kPlaceShare * total || beyond_noise(cell) <= 0) break;
     held += beyond_noise(cell);
     inside[cell] = true;
   }
@@ -177,9 +178,9 @@ class Whitening {
       VectorXd density = VectorXd::Zero(length_);
       for (const auto& draw : problem.draws(0))
         density += transformed(draw.col(output), output).cwiseAbs2() / (rows * draws);
-      density = neighbours_mean(density, std::max<Index>(1, length_ / kSmoothing));
+      density = neighbours_mean(density, std::max<Index>(1, length_ / kAmplitudeSmoothing));
       // Where the noise has hardly any energy, its colour is not known.
-      const double least = kLeast * kLeast * median(density);
+      const double least = kLeastAmplitude * kLeastAmplitude * median(density);
       if (least > 0)
         amplitudes_.emplace_back(density.cwiseMax(least).cwiseSqrt());
       else
@@ -201,9 +202,6 @@ class Whitening {
   }
 
  private:
-  static constexpr Index kSmoothing = 300;  // of the number of frequencies
-  static constexpr double kLeast = 0.03;    // of the median amplitude
-
   [[nodiscard]] Eigen::VectorXcd transformed(const VectorXd& signal, Index output) const {
     VectorXd scaled = VectorXd::Zero(length_);
     scaled.head(signal.size()) = compared_ * signal.cwiseQuotient(deviation_.col(output)).array();

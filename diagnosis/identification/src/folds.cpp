@@ -6,12 +6,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include <rths/identification/constants.hpp>
+
 namespace rths::diagnosis {
 namespace {
-
-constexpr std::size_t kManyRecords = 4;  // at least so many score each other
-constexpr Eigen::Index kPieces = 32;     // at least, of a record that scores itself
-constexpr double kLongestPiece = 0.125;  // [s]: less than a peak of strong motion lasts
 
 // Weights that select half of the pieces of a record. Short pieces give each half a share of the
 // strongest peak. The order of Thue and Morse (number of ones in the binary number of a piece) has

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/screening.hpp>
 
 namespace rths::diagnosis {
@@ -47,18 +48,15 @@ struct Form {
   bool is_friction = false;  // the design holds the curve twice, see friction()
 };
 
-constexpr double kSteadyShare = 0.05;  // of its size: a state that varies less is held constant
-
-VectorXd bent(const VectorXd& v) { return (v.array() / 0.05).asinh(); }
-const double kBentReach = std::asinh(1 / 0.05);
+VectorXd bent(const VectorXd& v) { return (v.array() / kBentSpeed).asinh(); }
+const double kBentReach = std::asinh(1 / kBentSpeed);
 
 VectorXd sign_of(const VectorXd& v) {
-  return v.unaryExpr([](double x) { return std::tanh(x / 0.01); });
+  return v.unaryExpr([](double x) { return std::tanh(x / kTurningSpeed); });
 }
 
 // The same after elastic presliding over a hundredth of the largest displacement.
 VectorXd direction_of(const VectorXd& u) {
-  constexpr double kPresliding = 0.01;
   VectorXd direction = VectorXd::Zero(u.size());
   for (Index i = 1; i < u.size(); ++i)
     direction[i] = std::clamp(direction[i - 1] + (u[i] - u[i - 1]) / kPresliding, -1.0, 1.0);
@@ -117,9 +115,9 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
     all.push_back(
         {"f(v of the other axis)", "", [=](const Signals& s) { return speed(bent(s.other_v)); }});
     all.push_back({"f(v_long v_lat)", "", [=](const Signals& s) {
-                     return Hats{-1, 1,
-                                 21}((s.v.cwiseProduct(s.other_v).array() / 0.05).asinh().matrix() /
-                                     kBentReach);
+                     return Hats{-1, 1, 21}(
+                         (s.v.cwiseProduct(s.other_v).array() / kBentSpeed).asinh().matrix() /
+                         kBentReach);
                    }});
     all.push_back({"f(u_long, u_lat)", "", [](const Signals& s) {
                      return surface(Hats{-1, 1, 9}(s.u), Hats{-1, 1, 9}(s.other_u));

@@ -8,10 +8,8 @@
 namespace rths::diagnosis {
 
 /// Least energy to explain, over that of the noise: less may be an error of the noise.
-inline constexpr double kLeastExcess = 0.05;
 /// Ridge on the values of a form, over the mean square of its columns: relative to them, so that
 /// the result depends on no unit.
-inline constexpr double kRidge = 1e-3;
 /// Energy of the residual beyond the noise on a fold, at least kLeastExcess.
 [[nodiscard]] double excess_on(const Supposition& supposition, const Fold& fold);
 

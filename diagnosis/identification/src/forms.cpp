@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <rths/identification/constants.hpp>
+
 #include "form_search.hpp"
 
 namespace rths::diagnosis {
@@ -43,7 +45,6 @@ std::vector<Description> describe(const Supposition& supposition, const Folds& f
   // A surface contains every curve over one of its arguments, so it must explain more than the
   // curve.
   const auto worth = [](const Description& one) {
-    constexpr double kPriceOfSurface = 0.1;
     const bool is_surface = one.form == "g(u, v)" || one.form == "f(u_long, u_lat)";
     return one.share - (is_surface ? kPriceOfSurface : 0);
   };

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include <rths/core/error.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/intervals.hpp>
 #include <rths/identification/scores.hpp>
 #include <rths/identification/screening.hpp>
@@ -19,8 +20,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr std::size_t kFitted = 4, kStarts = 4;
 
 // Holds back values at knots that the motion hardly reaches. Their steps would exceed by far those
 // of all others, so that no step reduced the error. Relative to the effect of all sizes of the
@@ -61,7 +60,7 @@ std::optional<Hypothesis> with_form(const Supposition& base, const Screened& scr
                                     const Fold& fold) {
   std::optional<Hypothesis> best;
   double least = 0;
-  for (std::size_t i = 0; i < std::min(kStarts, screened.starts.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kStartsOfForm, screened.starts.size()); ++i) {
     Hypothesis tried = extended(base.hypothesis(), *screened.candidate, screened.starts[i]);
     const auto fit = fit_of(base.problem(), tried, fold, kShortFit);
     if (!fit || (best && fit->sum_of_squares >= least)) continue;
@@ -77,7 +76,6 @@ std::optional<Hypothesis> with_form(const Supposition& base, const Screened& scr
 
 Description described_by(const FreeForm& form, const Problem& problem, const Fold& fold,
                          const Hypothesis& fitted, double share) {
-  constexpr double kNormal95 = 1.96;
   Description description{form.term.name, share, form.label, form.knots, {}, {}};
   for (const auto& estimate : estimates_of(fitted, covariance_of(problem, fold, fitted)))
     for (const auto& free : form.term.frees)
@@ -99,7 +97,7 @@ void fit_forms(const Supposition& supposition, const Folds& folds,
   std::vector<Candidate> terms;
   for (const auto& form : forms) terms.push_back(form.term);
   const auto screened = screen(base, folds.first, terms);
-  for (std::size_t i = 0; i < std::min(kFitted, screened.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(kFittedForms, screened.size()); ++i) {
     const FreeForm& form = forms[static_cast<std::size_t>(screened[i].candidate - terms.data())];
     const auto with = with_form(base, screened[i], folds.first);
     if (!with) continue;

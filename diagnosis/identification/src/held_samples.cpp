@@ -6,18 +6,14 @@
 
 #include <Eigen/Core>
 
+#include <rths/identification/constants.hpp>
+
 namespace rths::diagnosis {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kLongestHold = 0.02;  // of the record
-constexpr Index kMostRows = 1000;      // of a piece: a longer hold is several
-constexpr double kMostHeld = 0.25;     // of the record: samples are lost now and then
-constexpr double kMostScatter = 9;     // in a hold, over the variance of the noise: 3 deviations
-constexpr Index kShortestHold = 2;     // [rows]
 
 // Sums of squares about the mean of any piece of a signal over the variance of its noise, from
 // running sums.
@@ -48,7 +44,7 @@ class Scatter {
 
 Index longest_hold(Index rows) {
   return std::clamp(static_cast<Index>(kLongestHold * static_cast<double>(rows)), kShortestHold,
-                    kMostRows);
+                    kMostHoldRows);
 }
 
 struct Hold {
@@ -101,10 +97,9 @@ bool end_in_jumps(const std::vector<Hold>& holds, const VectorXd& prediction) {
 
 // The signal without the rows of the holds and their edges, which a filter smears.
 VectorXd outside(const std::vector<Hold>& holds, VectorXd signal) {
-  constexpr Index kEdge = 2;
   for (const auto& [begin, end] : holds) {
-    const Index from = std::max<Index>(0, begin - kEdge);
-    signal.segment(from, std::min(signal.size(), end + kEdge) - from).setZero();
+    const Index from = std::max<Index>(0, begin - kHoldEdge);
+    signal.segment(from, std::min(signal.size(), end + kHoldEdge) - from).setZero();
   }
   return signal;
 }
@@ -130,7 +125,7 @@ void find_held_samples(const Supposition& supposition, const Folds& folds,
     const ResidualNoise& noise = problem.noise(share.record);
     const MatrixXd predictions = supposition.prediction(share.record);
     const auto rows = static_cast<double>(drive.rows());
-    const double lengths = std::min(kLongestHold * rows, static_cast<double>(kMostRows));
+    const double lengths = std::min(kLongestHold * rows, static_cast<double>(kMostHoldRows));
     const double price = std::log(rows * lengths);  // of one of all possible holds
     for (Index output = 0; output < drive.measured.cols(); ++output) {
       const VectorXd measured = drive.measured.col(output), prediction = predictions.col(output);

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 namespace rths::diagnosis {
@@ -62,7 +63,6 @@ struct Minimum {
   [[nodiscard]] bool exists() const { return jacobian.size() > 0; }
   // Whether the other parameters can cause all of the effect of one.
   [[nodiscard]] bool is_undetermined(Index i) const {
-    constexpr double kLargestInflation = 1e6;  // of its variance, by the others
     return inverse(i, i) * jacobian.col(i).squaredNorm() > kLargestInflation;
   }
   // One Gauss-Newton step.
@@ -95,10 +95,9 @@ VectorXd scatter(const Problem& problem, const Fold& fold, const Minimum& minimu
 // Stefanski 1994).
 VectorXd bias(const Problem& problem, const Fold& fold, const Hypothesis& fitted,
               const Minimum& minimum) {
-  constexpr std::size_t kDraws = 4;
   VectorXd mean = VectorXd::Zero(minimum.inverse.rows());
   const bool is_exact = problem.relation().runs_freely() || problem.draws(0).empty();
-  const std::size_t count = is_exact ? 0 : kDraws;
+  const std::size_t count = is_exact ? 0 : kBiasDraws;
   for (std::size_t k = 0; k < count; ++k) {
     const Minimum disturbed{problem.disturbed(k), fold, fitted};
     if (!disturbed.exists()) return VectorXd::Zero(mean.size());
@@ -113,7 +112,6 @@ VectorXd bias(const Problem& problem, const Fold& fold, const Hypothesis& fitted
 // a parameter without an effect of its own, which has the variance of the ridge.
 VectorXd systematic(const Problem& problem, const Fold& fold, const Hypothesis& fitted,
                     const Minimum& minimum) {
-  constexpr double kLargestMove = 0.1;  // of a scale
   VectorXd result = VectorXd::Zero(minimum.inverse.rows());
   for (Index i = 0; i < result.size(); ++i) {
     if (minimum.is_undetermined(i)) continue;
@@ -139,8 +137,7 @@ MatrixXd correlation_of(const MatrixXd& covariance) {
 
 // 95 % quantile of chi-square; beyond the table, that of the last entry.
 double chi_square_95(std::size_t degrees) {
-  constexpr std::array kQuantiles{3.841, 5.991, 7.815, 9.488, 11.070, 12.592, 14.067, 15.507};
-  return kQuantiles[std::min(degrees, kQuantiles.size()) - 1];
+  return kChiSquare95[std::min(degrees, kChiSquare95.size()) - 1];
 }
 
 }  // namespace
@@ -160,8 +157,7 @@ MatrixXd covariance_of(const Problem& problem, const Fold& fold, const Hypothesi
   const Index count = fitted.values.size();
   const Minimum minimum{problem, fold, fitted};
   if (!minimum.exists()) return MatrixXd::Zero(count, count);
-  constexpr double kBlock = 1.5;  // [s]
-  const auto block = static_cast<Index>(kBlock / problem.drive(0).time_step) + 1;
+  const auto block = static_cast<Index>(kClusterBlock / problem.drive(0).time_step) + 1;
   const double mean_square =
       std::max(1.0, minimum.residual.squaredNorm() / std::max(1.0, observations(problem, fold)));
   VectorXd variance = sandwich(minimum.jacobian, minimum.residual, minimum.inverse, block)
@@ -179,7 +175,6 @@ MatrixXd covariance_of(const Problem& problem, const Fold& fold, const Hypothesi
 }
 
 std::vector<Estimate> estimates_of(const Hypothesis& fitted, const MatrixXd& covariance) {
-  constexpr double kNormal95 = 1.96;
   std::vector<Estimate> estimates;
   for (std::size_t i = 0; i < fitted.free.size(); ++i) {
     const auto at = static_cast<Index>(i);

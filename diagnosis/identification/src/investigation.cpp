@@ -5,14 +5,11 @@
 #include <cmath>
 #include <iterator>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/forms.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-constexpr double kExplained = 0.85;  // of the systematic residual: the rest is a remainder
-constexpr double kHasForm = 0.3;     // of the remainder: it has this form
-constexpr double kMostly = 0.5;      // of the systematic residual: the least beside an unknown rest
 
 // Whether a sensor of the outputs has a sine at rest, which is an effect and no noise.
 bool has_line(const Relation& relation, const SensorNoise& noise) {
@@ -83,8 +80,6 @@ bool Investigation::is_unknown() const {
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.
-  constexpr double kPlain = 0.5;     // in all records
-  constexpr double kPlainEvent = 1;  // in one of them
   const double rest = std::min(selection.variance_named, proof.variance()) - 1;
   return rest > kPlain || largest_variance(*this) - 1 > kPlainEvent ||
          std::any_of(descriptions.begin(), descriptions.end(), [](const Description& one) {

@@ -5,12 +5,10 @@
 #include <cmath>
 #include <iterator>
 
+#include <rths/identification/constants.hpp>
+
 namespace rths::diagnosis {
 namespace {
-
-constexpr double kCoarse = 5e-3;   // of the standard deviation: smallest step that matters
-constexpr double kRepeats = 0.25;  // of the samples
-constexpr double kOnSteps = 0.97;  // of the changes
 
 // The step of changes that are whole numbers of about `step`, by least squares.
 void fit_step(const std::vector<double>& changes, double step, Lattice& lattice) {
@@ -39,11 +37,10 @@ Lattice lattice_of(const Channel& channel) {
   if (changes.empty() || !(deviation > 0)) return lattice;
   const double step = *std::min_element(changes.begin(), changes.end());
   const double repeats = 1 - static_cast<double>(changes.size()) / static_cast<double>(x.size());
-  if (step < kCoarse * deviation || repeats < kRepeats) return lattice;
+  if (step < kCoarseStep * deviation || repeats < kRepeats) return lattice;
   std::vector<double> whole;
   std::copy_if(changes.begin(), changes.end(), std::back_inserter(whole), [&](double change) {
-    constexpr double kPrinted = 0.02;
-    return std::abs(change / step - std::round(change / step)) < kPrinted;
+    return std::abs(change / step - std::round(change / step)) < kPrintedDigits;
   });
   lattice.on_steps = static_cast<double>(whole.size()) / static_cast<double>(changes.size());
   if (lattice.on_steps >= kOnSteps) fit_step(whole, step, lattice);

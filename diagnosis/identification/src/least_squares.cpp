@@ -10,6 +10,7 @@
 #include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/identification/constants.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -90,10 +91,6 @@ class Minimiser {
   }
 
  private:
-  static constexpr int kMostAttempts = 10;
-  static constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;
-  static constexpr double kLeastDecrease = 1e-2;  // of the tolerance: smallest predicted decrease
-
   [[nodiscard]] VectorXd parameters(const Point& point) const {
     return point.x.cwiseProduct(scale_).cwiseMax(problem_.low).cwiseMin(problem_.high);
   }
@@ -192,7 +189,6 @@ MatrixXd covariance(const Fit& fit, Index block) {
   const VectorXd scale = J.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const MatrixXd H = scale.asDiagonal() * (J.transpose() * J) * scale.asDiagonal();
   const algebra::SymmetricFactors factors{H};
-  constexpr double kLeastPivot = 1e-12;  // of columns of unit length
   if (!(factors.smallest_pivot() > kLeastPivot))
     throw Error{"covariance: the data do not separate the parameters"};
   const MatrixXd inverse = scale.asDiagonal() * factors.inverse() * scale.asDiagonal();

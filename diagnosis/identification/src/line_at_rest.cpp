@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/identification/constants.hpp>
 
 #include "transform.hpp"
 
@@ -15,13 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr std::size_t kLeastStretches = 2;
-constexpr Index kLeastSamples = 50;       // of a stretch: a sine explains little of fewer by chance
-constexpr double kLeastCycles = 2;        // in the shortest stretch: fewer may be drift
-constexpr double kLeastLineShare = 0.25;  // of the energy of every stretch
-constexpr double kPadding = 4;            // of transforms, over the longest stretch
-constexpr double kBinRoundOff = 1e-9;     // of a number of bins
 
 VectorXd without_sine(const Stretch& stretch, double frequency) {
   const auto& [x, time_step] = stretch;
@@ -47,7 +41,8 @@ double duration_of(const Stretch& stretch) {
 
 // Length of the transform of a stretch that resolves a duration.
 Index length_for(double duration, const Stretch& stretch) {
-  return fast_length(static_cast<Index>(std::llround(kPadding * duration / stretch.time_step)));
+  return fast_length(static_cast<Index>(
+      std::llround(static_cast<double>(kZeroPadding) * duration / stretch.time_step)));
 }
 
 // Frequency of the highest mean of the periodograms, each over the energy of its stretch, on a grid
@@ -80,7 +75,7 @@ double highest(const std::vector<Stretch>& stretches, double longest, double lea
 double remove_line(std::vector<Stretch>& stretches) {
   if (stretches.size() < kLeastStretches) return 0;
   const auto is_short = [](const Stretch& stretch) {
-    return stretch.samples.size() < kLeastSamples;
+    return stretch.samples.size() < kLeastSamplesOfLine;
   };
   if (std::any_of(stretches.begin(), stretches.end(), is_short)) return 0;
   const auto [shortest, longest] = std::minmax_element(

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
 
@@ -11,9 +12,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-constexpr double kCalibrated = 5e-3;  // of a sensor: smaller changes do not count
-constexpr double kWhite = 1.02;       // mean w² of a residual that is noise, without scatter
 
 // Whether a relation compares two sensors of one motion.
 bool compares_sensors(const Relation& relation) {
@@ -38,7 +36,7 @@ double ModelComparison::variance(const Hypothesis& model) const {
 bool ModelComparison::is_noise(const Hypothesis& model) const {
   const Supposition supposition{problem_, model};
   const double n = observations(problem_, folds_.second);
-  if (!(supposition.variance(folds_.second) < kWhite + 2 * std::sqrt(2 / n))) return false;
+  if (!(supposition.variance(folds_.second) < kNoiseVariance + 2 * std::sqrt(2 / n))) return false;
   const auto& shares = folds_.second.shares;
   return std::all_of(shares.begin(), shares.end(), [&](const Fold::Share& share) {
     return whiteness_of(supposition, share.record).is_white;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 namespace rths::diagnosis {

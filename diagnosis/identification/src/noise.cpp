@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/constants.hpp>
+
 #include "line_at_rest.hpp"
 
 namespace rths::diagnosis {
@@ -14,13 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr int kResidualOrder = 12;
-constexpr double kResidualRidge = 1e-9;    // of the variance: filters remove high frequencies
-constexpr double kSmoothingTime = 0.1;     // of the deviation [s]
-constexpr double kPieceTime = 3;           // shortest piece of one colour [s]
-constexpr Index kLeastPiece = 150;         // rows of one colour, at least
-constexpr double kLeastErrorShare = 2e-3;  // of the output: smallest error of a measurement
 
 // Commands and inputs are exact: no sensor measures them.
 bool is_measured(const std::string& role) {
@@ -43,8 +38,6 @@ double jitter_of(const Channel& channel) {
   if (!third.empty()) {
     const auto middle = third.begin() + static_cast<std::ptrdiff_t>(third.size() / 2);
     std::nth_element(third.begin(), middle, third.end());
-    constexpr double kMedianOfGauss = 0.6745;
-    constexpr double kVarianceOfThird = 20;  // 1 + 9 + 9 + 1
     deviation = *middle / kMedianOfGauss / std::sqrt(kVarianceOfThird);
   }
   return deviation;
@@ -52,12 +45,10 @@ double jitter_of(const Channel& channel) {
 
 // The same from the quietest tenth of the spectrum: motion fills only some bands.
 double floor_of(const Channel& channel, double time_step) {
-  constexpr int kWindow = 256;
-  constexpr std::size_t kWindows = 8, kLowest = 3;  // bins that leakage of the window reaches
-  if (channel.values.size() < kWindows * kWindow) return jitter_of(channel);
+  if (channel.values.size() < kFloorWindows * kFloorWindow) return jitter_of(channel);
   const Spectrum spectrum =
-      power_spectrum(stretch_of(channel, 0, channel.values.size()), kWindow, time_step);
-  std::vector<double> density(spectrum.density.begin() + kLowest, spectrum.density.end());
+      power_spectrum(stretch_of(channel, 0, channel.values.size()), kFloorWindow, time_step);
+  std::vector<double> density(spectrum.density.begin() + kLeakageBins, spectrum.density.end());
   const auto quiet = density.begin() + static_cast<std::ptrdiff_t>(density.size() / 10);
   std::nth_element(density.begin(), quiet, density.end());
   return std::sqrt(*quiet / (2 * time_step));
@@ -118,13 +109,12 @@ VectorXd variance_of(const std::vector<VectorXd>& draws) {
 // Sizes and colours fit the draws that they are estimated from better than other draws. Returns the
 // factor on the variance that corrects this, from draws left out of the estimate.
 double shrinkage(const std::vector<VectorXd>& draws, Index half, Index piece, Index first_row) {
-  constexpr std::size_t kEnough = 4, kLeftOut = 2;
-  if (draws.size() < kEnough) return 1;
+  if (draws.size() < kDrawsForShrinkage) return 1;
   double sum = 0, count = 0;
-  for (std::size_t first = 0; first + kLeftOut <= draws.size(); first += kLeftOut) {
+  for (std::size_t first = 0; first + kDrawsLeftOut <= draws.size(); first += kDrawsLeftOut) {
     std::vector<VectorXd> kept, left;
     for (std::size_t i = 0; i < draws.size(); ++i)
-      (i >= first && i < first + kLeftOut ? left : kept).push_back(draws[i]);
+      (i >= first && i < first + kDrawsLeftOut ? left : kept).push_back(draws[i]);
     const VaryingNoise noise{kept, half, piece, 1e-300};
     for (const auto& draw : left) {
       const VectorXd white = noise.whitened(draw);
@@ -137,7 +127,7 @@ double shrinkage(const std::vector<VectorXd>& draws, Index half, Index piece, In
   if (!(count > 0) || !std::isfinite(sum)) return 1;
   // The estimate from all draws is too small by less than that from the kept ones.
   const double share =
-      static_cast<double>(draws.size() - kLeftOut) / static_cast<double>(draws.size());
+      static_cast<double>(draws.size() - kDrawsLeftOut) / static_cast<double>(draws.size());
   return std::max(1.0, 1 + share * (sum / count - 1));
 }
 
@@ -320,14 +310,13 @@ namespace {
 
 // Standard deviation of each output. A constant output, of an axis at rest, has the largest of all.
 VectorXd sizes_of(const MatrixXd& measured) {
-  constexpr double kRoundOff = 1e-12;  // of filters, relative
   const VectorXd mean = measured.colwise().mean();
   VectorXd sizes(measured.cols());
   for (Index output = 0; output < measured.cols(); ++output)
     sizes[output] = std::sqrt((measured.col(output).array() - mean[output]).square().mean());
   const double largest = sizes.maxCoeff();
   for (Index output = 0; output < measured.cols(); ++output)
-    if (sizes[output] <= kRoundOff * std::abs(mean[output])) sizes[output] = largest;
+    if (sizes[output] <= kFilterRoundOff * std::abs(mean[output])) sizes[output] = largest;
   return sizes;
 }
 

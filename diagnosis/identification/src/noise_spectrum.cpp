@@ -9,6 +9,7 @@
 
 #include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/signal.hpp>
 
 #include "transform.hpp"
@@ -18,9 +19,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::VectorXd;
-
-constexpr double kBandsPerOctave = 3;
-constexpr double kMostRise = 3;  // of the density towards low frequencies, over the first band's
 
 // Adds the periodogram of one stretch to sums over bands.
 void add_periodogram(const Stretch& stretch, std::vector<double>& sums,
@@ -56,7 +54,6 @@ struct LogOfMean {
   double bias, variance;
 
   explicit LogOfMean(double count) {
-    constexpr double kBinsOfWindow = 1.5;
     const double n = std::max(1.0, count / kBinsOfWindow);
     bias = -1 / (2 * n) - 1 / (12 * n * n);
     variance = 1 / n + 1 / (2 * n * n) + 1 / (6 * n * n * n);
@@ -68,7 +65,6 @@ struct LogOfMean {
 VectorXd smooth_polynomial(const VectorXd& x, const VectorXd& y, const VectorXd& variance) {
   const VectorXd weight = variance.cwiseSqrt().cwiseInverse();
   const VectorXd target = weight.cwiseProduct(y);
-  constexpr double kChance = 6.6;
   VectorXd best;
   double least = 0;
   for (Index degree = 0; degree <= 3; ++degree) {
@@ -76,8 +72,8 @@ VectorXd smooth_polynomial(const VectorXd& x, const VectorXd& y, const VectorXd&
     for (Index k = 1; k <= degree; ++k) powers.col(k) = powers.col(k - 1).cwiseProduct(x);
     const Eigen::MatrixXd weighted = weight.asDiagonal() * powers;
     const VectorXd fitted = powers * algebra::solve_least_squares(weighted, target);
-    const double cost =
-        weight.cwiseProduct(y - fitted).squaredNorm() + kChance * static_cast<double>(degree);
+    const double cost = weight.cwiseProduct(y - fitted).squaredNorm() +
+                        kChanceOfPower * static_cast<double>(degree);
     if (degree == 0 || cost < least) best = fitted, least = cost;
   }
   return best;
@@ -91,14 +87,13 @@ bool smooth_few(const std::vector<double>& counts, const std::vector<double>& fr
   const auto n = static_cast<Index>(counts.size());
   if (n < 8 || std::any_of(density.begin(), density.end(), [](double d) { return !(d > 0); }))
     return true;
-  constexpr double kLeastVariance = 0.025;  // smaller scatter than the error of a polynomial
   VectorXd log_frequency(n), log_density(n), variance(n);
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const LogOfMean scatter{counts[k]};
     log_frequency[i] = std::log(frequency[k] / frequency[counts.size() / 2]);
     log_density[i] = std::log(density[k]) - scatter.bias;
-    variance[i] = std::max(scatter.variance, kLeastVariance);
+    variance[i] = std::max(scatter.variance, kLeastVarianceOfBand);
   }
   const VectorXd smooth = smooth_polynomial(log_frequency, log_density, variance);
   const double chi_square = ((log_density - smooth).array().square() / variance.array()).sum();

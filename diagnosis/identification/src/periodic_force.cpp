@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/identification/constants.hpp>
 
 #include "transform.hpp"
 
@@ -20,9 +21,6 @@ using Eigen::ArrayXd;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kLeastPeriods = 8;  // in a record
-constexpr Index kZeroPadding = 4;    // of transforms, over the record
 
 // Whitened residual of a share of a fold, rows × outputs; zero where the share has no weight.
 struct Rows {

@@ -7,6 +7,7 @@
 
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/identification/constants.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -14,8 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr std::size_t kFewDraws = 4;
 
 // Of problems that report to nobody.
 Progress& no_progress() {
@@ -256,7 +255,6 @@ namespace {
 
 // ½ Σ w² of every block of a fold's rows.
 std::vector<double> block_sums(const Problem& problem, const Fold& fold, const VectorXd& residual) {
-  constexpr double kBlock = 1;  // [s]
   std::vector<double> sums;
   Index first = 0;
   for (const auto& share : fold.shares) {
@@ -265,7 +263,7 @@ std::vector<double> block_sums(const Problem& problem, const Fold& fold, const V
     const double length = static_cast<double>(rows) * drive.time_step;
     // Short records are divided into some tens of blocks, for resampling.
     const double least = 8 * drive.time_step;
-    const double seconds = std::clamp(length / 30, least, std::max(least, kBlock));
+    const double seconds = std::clamp(length / 30, least, std::max(least, kScoreBlock));
     const auto size = std::max<Index>(1, static_cast<Index>(seconds / drive.time_step));
     for (Index row = 0; row < rows; row += size) {
       const Index count = std::min(size, rows - row);

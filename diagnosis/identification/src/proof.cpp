@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 namespace rths::diagnosis {
@@ -90,7 +91,6 @@ std::vector<RecordScore> scores_of(const Problem& problem, const Selection& sele
 }
 
 Whiteness whiteness_of(const Supposition& named, std::size_t record) {
-  constexpr Index kLags = 20;
   const MatrixXd white = named.whitened(record);
   const ArrayXd weight = named.problem().drive(record).compared();
   VectorXd correlation = VectorXd::Zero(kLags);
@@ -107,13 +107,11 @@ Whiteness whiteness_of(const Supposition& named, std::size_t record) {
     }
     portmanteau = std::max(portmanteau, q);
   }
-  constexpr double kNormal95 = 1.96;
   // The colour of the noise is an estimate, so three times the quantile of 20 degrees of freedom is
   // allowed.
-  constexpr double kQuantile99 = 37.6, kAllowance = 3;
   return {{correlation.begin(), correlation.end()},
           kNormal95 / std::sqrt(n * static_cast<double>(white.cols())),
-          portmanteau < kAllowance * kQuantile99};
+          portmanteau < kAllowance * kChiSquare99};
 }
 
 Proof proof_of(const Problem& problem, const Selection& selection, bool is_held_out) {
@@ -151,7 +149,6 @@ double Proof::variance() const {
 }
 
 bool Proof::is_systematic() const {
-  constexpr double kWellAbove = 1.25;  // the noise, as an error and as a whitened variance
   return !is_white && times_noise() > kWellAbove && variance() > kWellAbove;
 }
 

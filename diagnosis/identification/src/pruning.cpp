@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/intervals.hpp>
 #include <rths/identification/proof.hpp>
 #include <rths/identification/scores.hpp>
@@ -16,19 +17,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-constexpr double kLeastGap = 3;        // of the deviation of the displacement's noise
-constexpr double kLeastFlexion = 0.5;  // of the same, under the largest force
-constexpr double kWorse = 0.02;  // of the energy of the error, or of noise, on a held-out record
-constexpr double kLeastShare = 1e-3;  // of the energy of the error before, on the held-out records,
-constexpr double kFitShare = 0.1;     // unless it is at least this share on the records of the fit
-constexpr double kLeastShareOfCorrection =
-    0.05;                            // as kLeastShare, of a candidate that corrects the form
-constexpr double kRestShare = 0.5;   // of the error that the others leave beyond the noise
-constexpr double kSeenShare = 0.25;  // of the energy of the error: seen in spite of the noise
-constexpr double kLeastShift = 0.1;  // of the time between samples
-
-constexpr double kTakenOver = 0.5;  // of a candidate's energy, by a form
 
 Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, std::size_t index,
                    const std::string& reason) {

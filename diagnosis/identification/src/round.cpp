@@ -4,15 +4,10 @@
 #include <algorithm>
 
 #include <rths/core/contains.hpp>
+#include <rths/identification/constants.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-constexpr double kTriedShare = 0.02;    // of the best screened gain
-constexpr double kSameGain = 1e-4;      // relative difference of the gains of equal laws
-constexpr double kKeptShare = 0.35;     // of the gain of the best short fit
-constexpr double kFar = 10;             // mean w²: above it, fits also start at the stated values
-constexpr double kReversedShare = 0.5;  // of the best gain on the second fold
 
 double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
@@ -44,7 +39,6 @@ Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::V
 // among the best, is fitted.
 std::vector<Screened> screened_by(const Supposition& base, const Fold& fold,
                                   const std::vector<Candidate>& candidates) {
-  constexpr double kShareOfAll = 0.9, kShareOfBest = 0.3;
   auto screened = screen(base, fold, candidates);
   const double best = screened.empty() ? 0 : screened[0].gain;
   const auto all = screened;
@@ -54,7 +48,7 @@ std::vector<Screened> screened_by(const Supposition& base, const Fold& fold,
       return other.candidate->axis.empty() && is_same(*other.candidate, *one.candidate);
     });
     return one.gain < kShareOfBest * best ||
-           (whole != all.end() && one.gain < kShareOfAll * whole->gain);
+           (whole != all.end() && one.gain < kShareOfAllAxes * whole->gain);
   });
   return screened;
 }
@@ -196,10 +190,9 @@ void Round::sort() {
 // A candidate that uses one more channel also has the noise of that channel. All candidates are
 // then compared in the largest noise that one of the better ones has.
 void Round::allow_for_noise() {
-  constexpr double kGoodShare = 0.2, kMuchMore = 0.3;
   const auto before = problem_.log_noise(base_);
   if (!before) return;
-  double most = kMuchMore;
+  double most = kMuchMoreNoise;
   const Contender* noisiest = nullptr;
   for (const auto& contender : contenders_) {
     if (contender.gain < kGoodShare * contenders_[0].gain) break;

@@ -15,6 +15,7 @@ struct Effort {
   int short_fit = 3;                                 ///< iterations of a short fit
   double least = 6;  ///< screened gain below which a candidate is not fitted [nat]
 };
+/// Where a fit may have stalled.
 inline constexpr Effort kThorough{4, 16, 6, 10, 5};
 
 /// One round of the forward selection. It screens the candidates, tries short fits of the best

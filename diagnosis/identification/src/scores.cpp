@@ -6,6 +6,7 @@
 #include <random>
 
 #include <rths/core/error.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/signal.hpp>
 
 namespace rths::diagnosis {
@@ -96,8 +97,6 @@ double change_of(const Problem& problem, const Hypothesis& before, const Hypothe
 }
 
 std::vector<double> resampled_sums(const std::vector<double>& blocks, std::uint64_t seed) {
-  constexpr int kResamples = 400;
-  constexpr std::size_t kNeighbours = 3;
   std::vector<double> sums;
   if (blocks.size() < kNeighbours) return sums;
   std::mt19937_64 random{seed};

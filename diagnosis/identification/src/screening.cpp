@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/identification/constants.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -15,12 +16,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-constexpr double kRankCut = 1e-6;  // of the largest singular value of columns of unit length
-constexpr double kOwn = 1e-7;      // least part of a column that no other explains
-
-constexpr double kUnbounded = 1e300;
-constexpr double kUnknown = -1;  // gain that only a fit can show: counts as the best
 
 struct Score {
   double gain;
@@ -36,7 +31,7 @@ double gain_of(MatrixXd columns, const Complement& complement, const VectorXd& r
   const VectorXd length = columns.colwise().norm();
   std::vector<Index> used;
   for (Index i = 0; i < columns.cols(); ++i)
-    if (length[i] > kOwn * whole[i]) used.push_back(i);
+    if (length[i] > kOwnShare * whole[i]) used.push_back(i);
   if (used.empty()) return 0;
   const MatrixXd unit = columns(Eigen::all, used) * length(used).cwiseInverse().asDiagonal();
   const VectorXd weights = algebra::solve_least_squares(unit, residual);
@@ -87,7 +82,7 @@ std::optional<double> gain_at(const BaseResidual& residual, const Candidate& can
   std::vector<Index> added(beside.hypothesis().free.size() - hypothesis.free.size());
   std::iota(added.begin(), added.end(), static_cast<Index>(hypothesis.free.size()));
   // A candidate that only widens a tolerance of the base is hidden by it.
-  if (added.empty() || candidate.is_hidden) return kUnknown;
+  if (added.empty() || candidate.is_hidden) return kUnknownGain;
   VectorXd there;
   MatrixXd columns;
   if (!beside.evaluate(residual.fold, beside.hypothesis().values, added, there, columns))
@@ -107,7 +102,7 @@ void sort_by_gain(std::vector<Screened>& candidates) {
   double best = 0;
   for (const auto& screened : candidates) best = std::max(best, screened.gain);
   for (auto& screened : candidates)
-    if (screened.gain == kUnknown) screened.gain = best;
+    if (screened.gain == kUnknownGain) screened.gain = best;
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Screened& a, const Screened& b) { return a.gain > b.gain; });
 }

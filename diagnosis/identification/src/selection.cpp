@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
 #include "acceptance.hpp"
@@ -17,15 +18,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-constexpr std::ptrdiff_t kMostTerms = 4;  // besides rules
-// The smallest gain of a term, besides kLeastAcceptedGain:
-constexpr double kAcceptedDensity = 2e-3;  // [nat] per observation,
-constexpr double kAcceptedShare = 0.01;    // and as a fraction of the excess of the base,
-constexpr double kMostOfRest = 0.5;        // or, if less, of the excess that the other terms leave
-constexpr double kAloneOfRest = 0.2;       // or of this share, if no other term gains half as much
-constexpr double kFormShare = 4e-4;        // of a larger term's gain: an error of 2 % of its form
-constexpr double kMuch = 0.15;             // mean w² beyond 1 that is left to explain
 
 // Every candidate of a round, in no order.
 std::vector<Contender> contenders_of(const SelectionRound& round) {
@@ -173,7 +165,7 @@ class Selector {
   // Whether a model with more terms leaves little beside errors of their form, and gains by them as
   // much as one term must.
   [[nodiscard]] bool explain_the_rest(const Hypothesis& before, const Hypothesis& after) const {
-    const double most = kMuch + kFormShare * std::max(0.0, comparison_.variance(before) - 1);
+    const double most = kMuchLeft + kFormShare * std::max(0.0, comparison_.variance(before) - 1);
     return comparison_.variance(after) - 1 < most && gains_enough(before, after);
   }
 
@@ -214,10 +206,9 @@ class Selector {
 
   // Whether far more is left to explain than a round has explained: a fit may have stalled.
   [[nodiscard]] bool explains_little(const std::optional<SelectionRound>& won) const {
-    constexpr double kLittle = 0.2;
     const double excess = comparison_.variance(current_) - 1;
     const double left = 0.5 * observations(problem_, folds_.both) * excess;
-    return excess > kMuch && (!won || won->chosen.gain < kLittle * left);
+    return excess > kMuchLeft && (!won || won->chosen.gain < kLittleOfLeft * left);
   }
 
   // Smallest gain of a term that is accepted beside the others, in the noise of the round [nat].
@@ -254,7 +245,6 @@ class Selector {
   // until every term has been compared since the last one was replaced.
   // @returns true if a term was replaced
   bool settle() {
-    constexpr std::size_t kMostPasses = 3;
     const std::size_t count = selection_.rounds.size();
     bool replaced = false;
     std::size_t settled = 0;

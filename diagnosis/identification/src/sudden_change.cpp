@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/screening.hpp>
 
 namespace rths::diagnosis {

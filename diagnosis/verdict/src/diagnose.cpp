@@ -11,6 +11,7 @@
 
 #include <rths/core/contains.hpp>
 #include <rths/experiment_design/next_test.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/investigation.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/models/barred.hpp>
@@ -40,7 +41,6 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
     const std::string name = quantisation_of(lattice);
     const auto known = std::find_if(verdict.causes.begin(), verdict.causes.end(),
                                     [&](const Cause& cause) { return cause.name == name; });
-    constexpr double kNormal95 = 1.96;
     const double half = kNormal95 * lattice.deviation;
     const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step - half,
                         lattice.step + half};

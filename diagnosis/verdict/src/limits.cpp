@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/models/relations.hpp>
 
 #include "check_records.hpp"

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/intervals.hpp>
 #include <rths/identification/investigation.hpp>
 #include <rths/identification/scores.hpp>

@@ -26,7 +26,6 @@ struct Description {
 };
 
 /// A form that explains a smaller share of the residual is not reported: any data have one [-].
-inline constexpr double kLeastShareOfForm = 0.12;
 
 /// Describes the form of a residual that no term explains: curves and surfaces over recorded or
 /// predicted quantities, a lasting sine, held samples, a sudden change. Best first, by the share of

@@ -28,7 +28,6 @@ class NoiseGenerator {
 };
 
 /// Samples at rest, of all records, that measure the noise of a channel. Fewer are ignored.
-inline constexpr double kFewestAtRest = 100;
 
 /// Noise of the sensors, channel by channel.
 class SensorNoise {

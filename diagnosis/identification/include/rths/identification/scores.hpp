@@ -9,8 +9,6 @@
 
 namespace rths::diagnosis {
 
-inline constexpr int kLongFit = 12, kShortFit = 5;  ///< iterations
-
 /// The hypothesis with its free parameters fitted to a fold; unchanged if it has no prediction.
 [[nodiscard]] Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis,
                                 const Fold& fold, int iterations);
@@ -37,7 +35,6 @@ inline constexpr int kLongFit = 12, kShortFit = 5;  ///< iterations
 
 /// Smallest change of a prediction that counts, see change_of: integration, filters and sampling
 /// may cause as much.
-inline constexpr double kMaterial = 2e-4;
 /// Root mean square difference of the predictions of two hypotheses, without free offsets, over the
 /// standard deviation of the output [-]. Outputs of different units count alike.
 /// @param without_shift  without what a shift in time explains
