@@ -13,9 +13,9 @@
 #include <rths/commissioning/delay_report.hpp>
 #include <rths/commissioning/empty_table_run.hpp>
 #include <rths/commissioning/learnt_inverse.hpp>
-#include <rths/commissioning/pretest.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
+#include <rths/session/pretest.hpp>
 
 #include "commands.hpp"
 #include "run_folder.hpp"
@@ -89,15 +89,15 @@ int pretest(const CommissioningArguments& a) {
   const auto experiment = load_experiment(a.files.at(0), split_changes(a.sets));
   check_sizes(experiment);
   std::optional<TemporaryFolder> temporary;
-  commissioning::PretestSettings settings;
+  session::PretestSettings settings;
   if (a.out.empty())
     settings.folder = temporary.emplace("pretest").path();
   else
     create_folder(settings.folder = a.out);
   if (!a.machine.empty()) settings.machine = recording_in(a.machine);
   settings.version = version();
-  const auto result = commissioning::pretest(experiment, settings);
-  fmt::print("{}", a.json ? commissioning::json_of(result) : commissioning::text_of(result));
+  const auto result = session::pretest(experiment, settings);
+  fmt::print("{}", a.json ? session::json_of(result) : session::text_of(result));
   return result.is_go() ? kOk : kConditionNotMet;
 }
 

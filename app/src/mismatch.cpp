@@ -13,10 +13,10 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
-#include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
+#include <rths/session/hybrid_test.hpp>
 
 #include "improvements.hpp"
 #include "write_file.hpp"
@@ -57,8 +57,8 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
   std::optional<recording::Reader> held_out;
   if (std::filesystem::exists(unseen) && !std::filesystem::equivalent(unseen, recording))
     held_out.emplace(unseen);
-  return launch::budget_of_run(experiment, improved, recording::Reader{recording},
-                               held_out ? &*held_out : nullptr);
+  return session::budget_of_run(experiment, improved, recording::Reader{recording},
+                                held_out ? &*held_out : nullptr);
 }
 
 // Why the experiment of a run cannot be repeated; empty: its file is as it was.
@@ -87,7 +87,7 @@ void improve_experiment(const std::filesystem::path& file, const launch::Overrid
     return;
   const Config experiment = launch::changed_experiment(std::filesystem::absolute(file), changes);
   auto& improved = verdict.improved;
-  improved.experiment = launch::improved_experiment(experiment, verdict.fragment, verdict.budget);
+  improved.experiment = session::improved_experiment(experiment, verdict.fragment, verdict.budget);
   improved.experiment_folder = experiment.resolve("");
   improved.has_improved_laboratory = true;
 }

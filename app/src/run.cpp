@@ -23,6 +23,7 @@
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/judgement.hpp>
 #include <rths/report/report.hpp>
+#include <rths/session/companions.hpp>
 #include <rths/verdict/diagnose.hpp>
 
 #include "commands.hpp"
@@ -87,7 +88,7 @@ void run_improved(const RunArguments& arguments, const std::filesystem::path& fr
     const auto changes = improved_by({fragment}, arguments.experiment, arguments.changes);
     const auto experiment = load_experiment(arguments.experiment, changes);
     if (experiment.reference) return;  // it does not depend on the model
-    launch::run_numerical(experiment, folder / report::kImprovedFile, version());
+    session::run_numerical(experiment, folder / report::kImprovedFile, version());
   } catch (const Error& error) {
     write_message(fmt::format("rths: no improved numerical result: {}\n", error.what()));
   }
@@ -184,19 +185,19 @@ int conclude(const RunArguments& arguments, const launch::Experiment& experiment
   steps->begin("the test without compensation");
   const auto uncompensated = folder / report::kUncompensatedFile;
   companions.make("test without compensation", uncompensated, [&] {
-    launch::run_uncompensated(experiment, folder / report::kRunFile, uncompensated, version());
+    session::run_uncompensated(experiment, folder / report::kRunFile, uncompensated, version());
   });
   steps->begin("the numerical result");
   const auto numerical = folder / report::kNumericalFile;
   companions.make("numerical result", numerical,
-                  [&] { launch::run_numerical(experiment, numerical, version()); });
+                  [&] { session::run_numerical(experiment, numerical, version()); });
   stop_if_interrupted();
   bool is_proved = has_held_out;
   if (has_held_out) {
     steps->begin("the test under the second earthquake");
     const auto held_out = folder / diagnosis::kHeldOutFile;
     is_proved = companions.make("test under the second earthquake", held_out,
-                                [&] { launch::run_held_out(experiment, held_out, version()); });
+                                [&] { session::run_held_out(experiment, held_out, version()); });
   }
   Diagnosed diagnosed;
   if (diagnoses && !is_proved) {

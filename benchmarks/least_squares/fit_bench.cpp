@@ -23,9 +23,9 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/problem.hpp>
-#include <rths/launch/hybrid_test.hpp>
 #include <rths/models/dynamic_relation.hpp>
 #include <rths/models/relations.hpp>
+#include <rths/session/hybrid_test.hpp>
 
 #include "fit_transfer.hpp"
 
@@ -213,7 +213,7 @@ void add_case(const std::filesystem::path& folder, Json& results) {
 void add_run(const std::filesystem::path& folder, Json& results) {
   const recording::Reader run{folder / "run.h5"};
   for (const char* axis : {"long", "lat"}) {
-    const auto record = launch::transfer_record_of(recording::roles_of(run), run, axis, {});
+    const auto record = session::transfer_record_of(recording::roles_of(run), run, axis, {});
     results.push_back(compared(std::string{"transfer system: "} + axis, transfer_problem(record)));
   }
 }

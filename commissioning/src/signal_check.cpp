@@ -127,14 +127,15 @@ std::string trouble_of(const SignalFinding& finding, const std::array<double, 2>
 
 class Checks {
  public:
-  Checks(const recording::Reader& run, const launch::Experiment& experiment) {
+  Checks(const recording::Reader& run, const sim::TestMachine& machine,
+         const sim::Bearing* specimen) {
     for (const auto& roles : recording::roles_of(run).axes) {
       axes_.push_back(signals_of(run, roles));
       const std::size_t i = roles.axis == "long" ? 0 : 1;
-      axes_.back().mass = experiment.assumed_machine.axes[i].effective_mass;
+      axes_.back().mass = machine.axes[i].effective_mass;
       require_motion(axes_.back());
     }
-    if (experiment.machine.has_specimen) compute_forces(experiment);
+    if (specimen != nullptr) compute_forces(*specimen);
   }
 
   [[nodiscard]] std::vector<SignalFinding> all() {
@@ -183,16 +184,15 @@ class Checks {
   }
 
   // Force of the assumed specimen under the measured displacements.
-  void compute_forces(const launch::Experiment& experiment) {
+  void compute_forces(const sim::Bearing& specimen) {
     const auto motion = measured_motion();
     const std::size_t count = motion[0].size();
-    sim::BearingRun bearing{experiment.model, kSample};
+    sim::BearingRun bearing{specimen, kSample};
     std::array<Samples, 2> force;
     Eigen::Vector2d before = Eigen::Vector2d::Zero();
     for (std::size_t k = 0; k < count; ++k) {
       const Eigen::Vector2d x{motion[0][k], motion[1][k]};
-      const Eigen::Vector2d f =
-          bearing.advance(x, (x - before) / kSample, experiment.model.axial_load);
+      const Eigen::Vector2d f = bearing.advance(x, (x - before) / kSample, specimen.axial_load);
       before = x;
       for (int i = 0; i < 2; ++i) force[static_cast<std::size_t>(i)].push_back(f[i]);
     }
@@ -262,8 +262,9 @@ class Checks {
 }  // namespace
 
 std::vector<SignalFinding> check_signals(const recording::Reader& run,
-                                         const launch::Experiment& experiment) {
-  return Checks{run, experiment}.all();
+                                         const sim::TestMachine& machine,
+                                         const sim::Bearing* specimen) {
+  return Checks{run, machine, specimen}.all();
 }
 
 }  // namespace rths::commissioning

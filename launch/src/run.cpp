@@ -12,7 +12,6 @@
 
 #include <rths/core/error.hpp>
 
-#include "recorded_host.hpp"
 #include "run_modes.hpp"
 
 namespace rths::launch {

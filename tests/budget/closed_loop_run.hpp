@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 
 #include <rths/app/builtin_adapters.hpp>
-#include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/session/hybrid_test.hpp>
 
 #include "support/files.hpp"
 
@@ -47,16 +47,16 @@ class ClosedLoop : public ::testing::Test {
     const launch::RunOutcome outcome = launch::run(experiment, options);
     ASSERT_TRUE(outcome.completed) << outcome.trouble;
     const recording::Reader run{options.recording};
-    hybrid = launch::hybrid_test_of(experiment, run);
-    measured = launch::response_of(experiment, run);
-    force = launch::fed_force_of(experiment, run);
+    hybrid = session::hybrid_test_of(experiment, run);
+    measured = session::response_of(experiment, run);
+    force = session::fed_force_of(experiment, run);
     // The laboratory itself takes the place of what would be identified.
     hybrid.specimen_identified = experiment.specimen;
     hybrid.machine_identified = experiment.machine;
     if (has_noise)
       hybrid.noise = budget::sensor_noise(
-          hybrid, {launch::transfer_record_of(experiment.roles, run, "long", hybrid.order),
-                   launch::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
+          hybrid, {session::transfer_record_of(experiment.roles, run, "long", hybrid.order),
+                   session::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
   }
   // Specimen and machine as the laboratory has them; the transfer system is identified.
   [[nodiscard]] launch::Experiment as_in_the_laboratory() const {

@@ -11,8 +11,9 @@
 #include <gtest/gtest.h>
 
 #include <rths/app/builtin_adapters.hpp>
-#include <rths/launch/hybrid_test.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/session/companions.hpp>
+#include <rths/session/hybrid_test.hpp>
 
 #include "closed_loop_run.hpp"
 
@@ -91,7 +92,7 @@ TEST_F(ClosedLoop, HasNoBudgetIfTheTargetsCarryRates) {
   make(false, {{"node.xpc.constants", constants.string()}});
   const recording::Reader run{folder / "run.h5"};
   EXPECT_EQ(test::error_of([&] {
-              static_cast<void>(launch::budget_of_run(experiment, experiment, run, nullptr));
+              static_cast<void>(session::budget_of_run(experiment, experiment, run, nullptr));
             }),
             experiment.file.string() +
                 ": the targets carry rates, which a mismatch budget does not repeat");
@@ -106,7 +107,7 @@ TEST_F(ClosedLoop, ReproducesASlowRunWithOverruns) {
 TEST_F(ClosedLoop, IsTheNumericalResultWithEveryPartAsSimulated) {
   make(true);
   const auto file = folder / "numerical.h5";
-  launch::run_numerical(experiment, file, "");
+  session::run_numerical(experiment, file, "");
   const recording::Reader numerical{file};
   const Response simulated = closed_loop(hybrid, kNone);
   for (const int axis : {0, 1}) {
@@ -120,7 +121,7 @@ TEST_F(ClosedLoop, IsTheNumericalResultWithEveryPartAsSimulated) {
 TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
   make(true);
   const recording::Reader run{folder / "run.h5"};
-  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, &run);
+  const auto found = session::budget_of_run(experiment, as_in_the_laboratory(), run, &run);
   ASSERT_EQ(found.axes.size(), 2U);
   EXPECT_LT(found.replay, 1e-4);
   EXPECT_TRUE(is_tracking_identified(found));
@@ -144,8 +145,8 @@ TEST_F(ClosedLoop, HasABudgetThatAddsUpWithoutAnyDifference) {
 
   const auto found =
       mismatch_budget(hybrid, simulated,
-                      {launch::transfer_record_of(experiment.roles, run, "long", hybrid.order),
-                       launch::transfer_record_of(experiment.roles, run, "lat", hybrid.order)},
+                      {session::transfer_record_of(experiment.roles, run, "long", hybrid.order),
+                       session::transfer_record_of(experiment.roles, run, "lat", hybrid.order)},
                       force);
 
   for (const auto& axis : found.axes) {
@@ -170,7 +171,7 @@ TEST_F(ClosedLoop, FindsTheLargestShareInTheTrackingOfAts) {
   source = test::source_tree() / "examples/srmd_lprb_2d_ats.toml";
   make(true);
   const recording::Reader run{folder / "run.h5"};
-  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
+  const auto found = session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
   ASSERT_EQ(found.axes.size(), 2U);
   for (const auto& axis : found.axes) {
     EXPECT_LT(axis.after, 0.03) << axis.name;
@@ -234,7 +235,7 @@ TEST_F(ClosedLoop, DoesNotDependOnTheNamesOfTheNodes) {
 TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
   make(true);
   const recording::Reader run{folder / "run.h5"};
-  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
+  const auto found = session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
   const Response with = closed_loop(hybrid, kAll);
   hybrid.noise = {};
   const Response without = closed_loop(hybrid, kAll);
@@ -243,7 +244,7 @@ TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
   file.put("rest_s", 0.5);
 
   file.set("model", Config{});  // the specimen and the machine of the laboratory are as identified
-  file = launch::improved_experiment(file, "", found);
+  file = session::improved_experiment(file, "", found);
   file.put("folder", experiment.file.parent_path().string());
   std::ofstream{folder / "improved.toml"} << file.to_toml();
   launch::RunOptions options;
@@ -252,7 +253,7 @@ TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
   const auto again = app::load_experiment(folder / "improved.toml");
   ASSERT_TRUE(launch::run(again, options).completed);
 
-  const Response response = launch::response_of(again, recording::Reader{options.recording});
+  const Response response = session::response_of(again, recording::Reader{options.recording});
   for (const std::size_t axis : {0U, 1U}) {
     const double tolerance = 2 * apart(without[axis], with[axis]) + found.axes[axis].after;
     EXPECT_LT(tolerance, 0.03);
@@ -263,7 +264,7 @@ TEST_F(ClosedLoop, IsRepeatedByARunOfTheImprovedExperiment) {
 
 TEST(ImprovedExperiment, ReplacesAMachineOfAFileByTheIdentifiedOne) {
   const Config file = Config::load(test::source_tree() / "examples/srmd_platen_2d.toml");
-  const Config node = launch::improved_experiment(file, "", {}).table("node").table("srmd");
+  const Config node = session::improved_experiment(file, "", {}).table("node").table("srmd");
   EXPECT_EQ(node.keys(), std::vector<std::string>{"adapter"});
 }
 

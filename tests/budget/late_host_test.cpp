@@ -52,7 +52,7 @@ TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
   make(true, kRealMachine, stalls);
   const recording::Reader run{folder / "run.h5"};
 
-  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
+  const auto found = session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
 
   for (const auto& axis : found.axes) {
     double sum = axis.remainder;
@@ -77,7 +77,7 @@ TEST_F(ClosedLoop, HasNoBudgetIfTheRecordingMissesManyIntegrationSteps) {
   const recording::Reader run{folder / "run.h5"};
 
   const std::string error = test::error_of([&] {
-    static_cast<void>(launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr));
+    static_cast<void>(session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr));
   });
 
   EXPECT_EQ(error,
@@ -89,7 +89,7 @@ TEST_F(ClosedLoop, HasABudgetIfTheRecorderPausesBeforeTheFirstTarget) {
   make(true, {}, [](const auto& node, Duration due) { return pause(node, due, 0.2003); });
   const recording::Reader run{folder / "run.h5"};
 
-  EXPECT_FALSE(launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr).is_empty());
+  EXPECT_FALSE(session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr).is_empty());
 }
 
 /// A host that makes one step of each node late by 0.9 ms, four times a second: less than a period.
@@ -138,7 +138,7 @@ TEST_F(ClosedLoop, GivesALatenessBelowAPeriodNoShareWorthNaming) {
   make(true, kRealMachine, delays);
   const recording::Reader run{folder / "run.h5"};
 
-  const auto found = launch::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
+  const auto found = session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
 
   for (const auto& axis : found.axes) {
     const double share = axis.share[static_cast<std::size_t>(Part::Host)];

@@ -14,6 +14,7 @@
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/session/companions.hpp>
 
 #include "support/files.hpp"
 #include "support/long_run.hpp"
@@ -84,7 +85,7 @@ double apart(const Ran& a, const Ran& b) {
 /// The purely numerical response, at the times of the targets.
 Ran numerical(const Experiment& experiment) {
   const test::TemporaryFolder folder;
-  EXPECT_TRUE(run_numerical(experiment, folder.path() / "numerical.h5", ""));
+  EXPECT_TRUE(session::run_numerical(experiment, folder.path() / "numerical.h5", ""));
   const recording::Reader recorded{folder.path() / "numerical.h5"};
   const double interval = recorded.time()[1] - recorded.time()[0];
   const auto rows = static_cast<std::size_t>(std::lround(experiment.integration_step / interval));

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/sim/test_machine.hpp>
 
 namespace rths::commissioning {
 
@@ -25,8 +25,10 @@ struct SignalFinding {
 /// axes move: each displacement follows the one before it in the path, the acceleration is the
 /// second derivative of the displacement, and the forces are those of the assumed specimen and of
 /// the inertia of the platen under the measured motion.
+/// @param machine  as assumed   @param specimen  as assumed; null: the machine has none
 /// @throws Error if the recording is empty, or no axis moves   @setup
 [[nodiscard]] std::vector<SignalFinding> check_signals(const recording::Reader& run,
-                                                       const launch::Experiment& experiment);
+                                                       const sim::TestMachine& machine,
+                                                       const sim::Bearing* specimen);
 
 }  // namespace rths::commissioning

@@ -12,7 +12,9 @@
 #include <rths/launch/experiment.hpp>
 #include <rths/report/judgement.hpp>
 
-namespace rths::commissioning {
+namespace rths::session {
+
+using launch::Experiment;
 
 /// How a pretest decides.
 struct PretestSettings {
@@ -26,22 +28,23 @@ struct PretestSettings {
 
 /// Prediction for one axis.
 struct AxisPrediction {
-  std::string name;                      ///< "long", "lat"
-  budget::TransferSystem machine;        ///< identified
-  double machine_delay = 0;              ///< of its displacement behind its reference [s]
-  double peak = 0;                       ///< of the purely numerical response [m]
-  std::vector<AmplitudeMargin> margins;  ///< by rising amplitude, up to the peak; empty: unknown
-  double ringing = 0;                    ///< largest amplitude at which the loop is unstable [m]
-  std::vector<double> differences;       ///< of the responses, RMS over that of the test: of each
-                                         ///< run with the noise of another seed [-]
-  double delay = 0;                      ///< of the measured displacement behind the command [s]
-  controller::TrackingError tracking;    ///< of it
+  std::string name;                ///< "long", "lat"
+  budget::TransferSystem machine;  ///< identified
+  double machine_delay = 0;        ///< of its displacement behind its reference [s]
+  double peak = 0;                 ///< of the purely numerical response [m]
+  std::vector<commissioning::AmplitudeMargin>
+      margins;                         ///< by rising amplitude, up to the peak; empty: unknown
+  double ringing = 0;                  ///< largest amplitude at which the loop is unstable [m]
+  std::vector<double> differences;     ///< of the responses, RMS over that of the test: of each
+                                       ///< run with the noise of another seed [-]
+  double delay = 0;                    ///< of the measured displacement behind the command [s]
+  controller::TrackingError tracking;  ///< of it
 
   [[nodiscard]] double difference() const;  ///< the mean of the runs; 0 without a run [-]
 };
 
 struct Pretest {
-  std::vector<SignalFinding> signals;
+  std::vector<commissioning::SignalFinding> signals;
   std::vector<AxisPrediction> axes;
   std::string loop_machine;  ///< that closed the loop; empty: no loop was closed
   std::vector<report::Broken>
@@ -60,10 +63,9 @@ struct Pretest {
 /// scatters, so the loop is closed several times, each with other noise of the sensors. The
 /// identified machine has two axes; a test that controls the vertical force keeps its own machine.
 /// @throws Error if the experiment cannot be run this way   @setup
-[[nodiscard]] Pretest pretest(const launch::Experiment& experiment,
-                              const PretestSettings& settings);
+[[nodiscard]] Pretest pretest(const Experiment& experiment, const PretestSettings& settings);
 
 [[nodiscard]] std::string text_of(const Pretest& pretest);
 [[nodiscard]] std::string json_of(const Pretest& pretest);
 
-}  // namespace rths::commissioning
+}  // namespace rths::session

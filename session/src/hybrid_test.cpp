@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/launch/hybrid_test.hpp>
+#include <rths/session/hybrid_test.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -12,9 +12,10 @@
 #include "recorded_gaps.hpp"
 #include "recorded_host.hpp"
 
-namespace rths::launch {
+namespace rths::session {
 namespace {
 
+using launch::NodePlan;
 using recording::at_each_count;
 using recording::AxisRoles;
 using recording::NodeTicks;
@@ -306,4 +307,4 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   return found;
 }
 
-}  // namespace rths::launch
+}  // namespace rths::session

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/commissioning/pretest.hpp>
+#include <rths/session/pretest.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -9,14 +9,19 @@
 #include <nlohmann/json.hpp>
 
 #include <rths/core/error.hpp>
-#include <rths/launch/hybrid_test.hpp>
-#include <rths/launch/run.hpp>
 #include <rths/recording/roles.hpp>
+#include <rths/session/companions.hpp>
+#include <rths/session/hybrid_test.hpp>
 #include <rths/sim/term.hpp>
 
-namespace rths::commissioning {
+#include "virtual_run.hpp"
+
+namespace rths::session {
 namespace {
 
+using commissioning::AmplitudeMargin;
+using commissioning::HybridLoop;
+using commissioning::LinearLead;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kNames[] = {"long", "lat"};
@@ -31,8 +36,7 @@ constexpr double kWorstMachine = 0.3;       // error of the identified machine o
 constexpr double kSearchedDelay = 0.2;      // [s]
 constexpr double kLeastReference = 1e-4;    // RMS of a reference that identifies a machine [m]
 constexpr std::uint64_t kRuns = 8;          // of the closed loop
-constexpr std::uint64_t kSeedOffset = 1'000'003;  // between their seeds
-constexpr double kHoldPeriods = 0.5;              // of the controller: its reference is held
+constexpr double kHoldPeriods = 0.5;        // of the controller: its reference is held
 
 double root_mean_square(const std::vector<double>& values) {
   double squares = 0;
@@ -40,25 +44,13 @@ double root_mean_square(const std::vector<double>& values) {
   return values.empty() ? 0 : std::sqrt(squares / static_cast<double>(values.size()));
 }
 
-bool is_tested(const launch::Experiment& experiment, std::size_t axis) {
+bool is_tested(const Experiment& experiment, std::size_t axis) {
   return std::find(experiment.axes.begin(), experiment.axes.end(), kNames[axis]) !=
          experiment.axes.end();
 }
 
-launch::RunOutcome run_virtually(const launch::Experiment& experiment,
-                                 const PretestSettings& settings,
-                                 const std::filesystem::path& file) {
-  launch::RunOptions options;
-  options.clock = launch::ClockKind::Virtual;
-  options.recording = file;
-  options.version = settings.version;
-  auto outcome = launch::run(experiment, options);
-  if (outcome.interrupted) throw Error{experiment.file.string() + ": the pretest was interrupted"};
-  return outcome;
-}
-
 // The numerical specimen is the bearing that the simulation assumes.
-launch::Experiment with_numerical_specimen(launch::Experiment experiment) {
+Experiment with_numerical_specimen(Experiment experiment) {
   experiment.specimen = experiment.model;
   experiment.machine.specimen = experiment.model;
   return experiment;
@@ -66,7 +58,7 @@ launch::Experiment with_numerical_specimen(launch::Experiment experiment) {
 
 // The motion of the purely numerical result, at the targets of the test.
 adapters::DisplacementHistory motion_in(const recording::Reader& numerical,
-                                        const launch::Experiment& experiment) {
+                                        const Experiment& experiment) {
   const double interval = numerical.time()[1] - numerical.time()[0];
   adapters::DisplacementHistory history;
   history.time_step = experiment.integration_step;
@@ -89,15 +81,14 @@ adapters::DisplacementHistory motion_in(const recording::Reader& numerical,
   return history;
 }
 
-launch::Experiment with_imposed_motion(launch::Experiment experiment,
-                                       const adapters::DisplacementHistory& motion) {
+Experiment with_imposed_motion(Experiment experiment, const adapters::DisplacementHistory& motion) {
   experiment.history = motion;
   for (auto& node : experiment.nodes) node.switch_compensation_off();
   return experiment;
 }
 
 void identify_machine(const recording::Reader& run, AxisPrediction& axis) {
-  const auto record = launch::transfer_record_of(recording::roles_of(run), run, axis.name, {});
+  const auto record = transfer_record_of(recording::roles_of(run), run, axis.name, {});
   if (!(root_mean_square(record.reference) >= kLeastReference))
     throw Error{fmt::format("machine: the reference of {} does not move", axis.name)};
   axis.machine = budget::identify_transfer(record);
@@ -136,9 +127,9 @@ LinearLead lead_of(const budget::Compensation& compensation) {
   return {{lead[0], lead[1], lead[2], 0, 0}, {}};
 }
 
-void predict_stability(const launch::Experiment& experiment, const recording::Reader& run,
-                       std::size_t i, AxisPrediction& axis) {
-  const auto test = launch::hybrid_test_of(experiment, run);
+void predict_stability(const Experiment& experiment, const recording::Reader& run, std::size_t i,
+                       AxisPrediction& axis) {
+  const auto test = hybrid_test_of(experiment, run);
   const HybridLoop loop{test.plant,
                         static_cast<int>(i),
                         axis.machine,
@@ -150,7 +141,8 @@ void predict_stability(const launch::Experiment& experiment, const recording::Re
     AmplitudeMargin margin;
     margin.amplitude =
         axis.peak * std::pow(kSmallest, 1 - static_cast<double>(k) / (kAmplitudes - 1));
-    margin.stiffness = describing_function(experiment.model, margin.amplitude, kLoopFrequency);
+    margin.stiffness =
+        commissioning::describing_function(experiment.model, margin.amplitude, kLoopFrequency);
     margin.delay_margin = loop.delay_margin(margin.stiffness);
     margin.stable = margin.delay_margin > 0;
     margin.gain_margin = loop.gain_margin(margin.stiffness);
@@ -196,7 +188,7 @@ void decide(const PretestSettings& settings, double most_difference, Pretest& re
 /// The steps of a pretest, in order. Each returns false if the next ones make no sense.
 class Steps {
  public:
-  Steps(const launch::Experiment& experiment, const PretestSettings& settings)
+  Steps(const Experiment& experiment, const PretestSettings& settings)
       : experiment_{with_numerical_specimen(experiment)}, settings_{settings} {}
 
   Pretest all() {
@@ -215,7 +207,7 @@ class Steps {
   void find_reference() {
     begin("the numerical result");
     const auto file = settings_.folder / kNumerical;
-    if (!launch::run_numerical(experiment_, file, settings_.version))
+    if (!run_numerical(experiment_, file, settings_.version))
       throw Error{
           experiment_.file.string() +
           ": the structure of the solver is its own, expected it as [plant] or its response "
@@ -223,16 +215,30 @@ class Steps {
     motion_ = motion_in(recording::Reader{file}, experiment_);
   }
 
+  [[nodiscard]] launch::RunOutcome run(const Experiment& experiment,
+                                       const std::filesystem::path& file) const {
+    auto outcome = run_virtually(experiment, file, settings_.version);
+    if (outcome.interrupted)
+      throw Error{experiment.file.string() + ": the pretest was interrupted"};
+    return outcome;
+  }
+
+  [[nodiscard]] std::vector<commissioning::SignalFinding> signals_in(
+      const std::filesystem::path& file) const {
+    return commissioning::check_signals(
+        recording::Reader{file}, experiment_.assumed_machine,
+        experiment_.machine.has_specimen ? &experiment_.model : nullptr);
+  }
+
   bool check_path() {
     begin("the path with an imposed motion");
-    const auto outcome =
-        run_virtually(with_imposed_motion(experiment_, motion_), settings_, imposed());
+    const auto outcome = run(with_imposed_motion(experiment_, motion_), imposed());
     // A safety layer may end the path because of a signal; its rows up to there name the signal.
     if (!outcome.completed)
       result_.reasons.push_back("the path did not reach its end: " + outcome.trouble);
-    result_.signals = check_signals(recording::Reader{imposed()}, experiment_);
+    result_.signals = signals_in(imposed());
     if (!settings_.machine.empty()) {
-      auto real = check_signals(recording::Reader{settings_.machine}, experiment_);
+      auto real = signals_in(settings_.machine);
       result_.signals.insert(result_.signals.end(), real.begin(), real.end());
     }
     for (const auto& signal : result_.signals)
@@ -272,17 +278,16 @@ class Steps {
     return "";
   }
 
-  [[nodiscard]] launch::Experiment with_machine_of_loop() {
+  [[nodiscard]] Experiment with_machine_of_loop() {
     const std::string kept_because = machine_kept_because();
     result_.loop_machine = kept_because.empty()
                                ? "the identified machine"
                                : "the machine of the experiment, because " + kept_because;
-    launch::Experiment closed = experiment_;
+    Experiment closed = experiment_;
     if (!kept_because.empty()) return closed;
     closed.has_identified_machine = true;
     // Friction that the controller subtracts was identified, so the machine has it.
-    closed.machine =
-        budget::with_known_friction(closed.assumed_machine, launch::correction_of(closed));
+    closed.machine = budget::with_known_friction(closed.assumed_machine, correction_of(closed));
     std::erase_if(closed.machine.terms, [](const auto& term) {
       return sim::term_kind(term.kind).stage == sim::Stage::Actuator;  // identified with the axis
     });
@@ -296,10 +301,9 @@ class Steps {
   }
 
   // Independent noise of run k; that of the first is the experiment's.
-  bool close_loop(launch::Experiment closed, std::uint64_t k, const std::filesystem::path& file) {
-    closed.machine.seed += k * kSeedOffset;
-    closed.computing_time.seed += k * kSeedOffset;
-    const auto outcome = run_virtually(closed, settings_, file);
+  bool close_loop(Experiment closed, std::uint64_t k, const std::filesystem::path& file) {
+    renew_noise(closed, k);
+    const auto outcome = run(closed, file);
     if (!outcome.completed) {
       result_.reasons.push_back("the closed loop did not reach its end: " + outcome.trouble);
       return false;
@@ -311,7 +315,7 @@ class Steps {
   }
 
   void close_loop() {
-    const launch::Experiment closed = with_machine_of_loop();
+    const Experiment closed = with_machine_of_loop();
     begin("the closed loop with " + result_.loop_machine);
     const auto first = settings_.folder / kClosedLoop, other = settings_.folder / kOther;
     if (!close_loop(closed, 0, first)) return;
@@ -327,7 +331,7 @@ class Steps {
     }
   }
 
-  launch::Experiment experiment_;
+  Experiment experiment_;
   const PretestSettings& settings_;
   adapters::DisplacementHistory motion_;  ///< of the numerical result
   Pretest result_;
@@ -341,7 +345,7 @@ double AxisPrediction::difference() const {
                                    static_cast<double>(differences.size());
 }
 
-Pretest pretest(const launch::Experiment& experiment, const PretestSettings& settings) {
+Pretest pretest(const Experiment& experiment, const PretestSettings& settings) {
   if (experiment.has_user_program())
     throw Error{experiment.file.string() +
                 ": a node is a program of your own, which has no virtual time"};
@@ -427,4 +431,4 @@ std::string json_of(const Pretest& pretest) {
   return document.dump(2) + "\n";
 }
 
-}  // namespace rths::commissioning
+}  // namespace rths::session

@@ -2,7 +2,7 @@
 //
 // Companion runs of a hybrid test: the same displacement history without compensation, the same
 // test under another earthquake, and the purely numerical result.
-#include <rths/launch/run.hpp>
+#include <rths/session/companions.hpp>
 
 #include <algorithm>
 #include <array>
@@ -17,12 +17,13 @@
 #include <rths/recording/step_at.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
-namespace rths::launch {
+#include "virtual_run.hpp"
+
+namespace rths::session {
 namespace {
 
 using adapters::kReferenceStep;
-constexpr std::uint64_t kSeedOffset = 1'000'003;  // beyond the small seeds of experiments
-
+using launch::NodePlan;
 constexpr const char* kDirections[] = {"long", "lat"};
 
 // Targets of an axis; zeros if it is not tested.
@@ -136,11 +137,7 @@ void add_floors(ResultMap& result, const std::string& prefix, const sim::Respons
 
 void run_companion(const Experiment& experiment, const std::filesystem::path& recording,
                    const std::string& version) {
-  RunOptions options;
-  options.clock = ClockKind::Virtual;
-  options.recording = recording;
-  options.version = version;
-  const RunOutcome outcome = run(experiment, options);
+  const launch::RunOutcome outcome = run_virtually(experiment, recording, version);
   if (outcome.completed) return;
   std::error_code ignored;
   std::filesystem::remove(recording, ignored);  // no report must take it for a whole run
@@ -330,8 +327,7 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
   if (!experiment.held_out || experiment.has_user_program()) return false;
   Experiment second = experiment;
   second.motion = *experiment.held_out;
-  second.machine.seed += kSeedOffset;
-  second.computing_time.seed += kSeedOffset;
+  renew_noise(second, 1);
   second.companion = "under the second earthquake";
   run_companion(second, recording, version);
   return true;
@@ -351,4 +347,4 @@ bool run_numerical(const Experiment& experiment, const std::filesystem::path& re
   return true;
 }
 
-}  // namespace rths::launch
+}  // namespace rths::session

@@ -9,9 +9,10 @@
 #include <rths/core/error.hpp>
 #include <rths/recording/roles.hpp>
 
-namespace rths::launch {
+namespace rths::session {
 namespace {
 
+using launch::NodePlan;
 using recording::NodeTicks;
 using recording::Reader;
 
@@ -57,4 +58,4 @@ void check_gaps(const Experiment& experiment, const Reader& run, const std::stri
   check_node(experiment, run, experiment.roles.machine, name);
 }
 
-}  // namespace rths::launch
+}  // namespace rths::session

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <utility>
 
-namespace rths::launch {
+#include <rths/launch/run.hpp>
+
+namespace rths::session {
 namespace {
 
 using recording::NodeTicks;
@@ -28,8 +30,8 @@ Schedule schedule_of(const Experiment& experiment, const std::string& node) {
 // Times of the scheduled steps of a node; empty if the recording lacks them.
 budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
                            const std::string& node) {
-  const auto late = run.meta_series(kLateSeries + node);
-  const auto duration = run.meta_series(kDurationSeries + node);
+  const auto late = run.meta_series(launch::kLateSeries + node);
+  const auto duration = run.meta_series(launch::kDurationSeries + node);
   const Schedule schedule = schedule_of(experiment, node);
   budget::TickTimes times;
   for (std::size_t i = 0; i < std::min(late.values.size(), duration.values.size()); ++i) {
@@ -140,4 +142,4 @@ void read_host(const Experiment& experiment, const Reader& run, const NodeTicks&
     test.arrivals = std::move(arrivals);
 }
 
-}  // namespace rths::launch
+}  // namespace rths::session

@@ -6,7 +6,9 @@
 #include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
 
-namespace rths::launch {
+namespace rths::session {
+
+using launch::Experiment;
 
 /// The correction of the measured force by the controller's block diagram.
 /// @throws Error if the controller runs no block diagram   @setup
@@ -59,4 +61,4 @@ namespace rths::launch {
 [[nodiscard]] Config improved_experiment(const Config& experiment, const std::string& improvement,
                                          const budget::MismatchBudget& found);
 
-}  // namespace rths::launch
+}  // namespace rths::session

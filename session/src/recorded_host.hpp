@@ -5,12 +5,9 @@
 #include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
 
-namespace rths::launch {
+namespace rths::session {
 
-/// Series of /meta: start of each scheduled step of a node after its scheduled time, and duration
-/// of the step [s]. The name of the node follows.
-inline constexpr const char* kLateSeries = "late.";
-inline constexpr const char* kDurationSeries = "duration.";
+using launch::Experiment;
 
 /// Reads from a recording in which order controller and machine made their ticks, when the targets
 /// arrived, and how long the solver computes while the host is not late.
@@ -18,4 +15,4 @@ inline constexpr const char* kDurationSeries = "duration.";
 void read_host(const Experiment& experiment, const recording::Reader& run,
                const recording::NodeTicks& ticks, budget::HybridTest& test);
 
-}  // namespace rths::launch
+}  // namespace rths::session

@@ -6,7 +6,9 @@
 #include <rths/launch/experiment.hpp>
 #include <rths/recording/recording.hpp>
 
-namespace rths::launch {
+namespace rths::session {
+
+using launch::Experiment;
 
 /// Requires that the rows of a recording follow the closed loop. From the first target on, a gap is
 /// at most as long as five integration steps: between the ends of longer ones, targets and forces
@@ -16,4 +18,4 @@ namespace rths::launch {
 void check_gaps(const Experiment& experiment, const recording::Reader& run,
                 const std::string& name);
 
-}  // namespace rths::launch
+}  // namespace rths::session
