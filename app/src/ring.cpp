@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <rths/broker/ring.hpp>
-#include <rths/card_view/card_view.hpp>
+#include <rths/card/shared_cards.hpp>
 #include <rths/core/error.hpp>
 #include <rths/replicated/images.hpp>
 
@@ -15,7 +15,7 @@
 namespace rths::app {
 namespace {
 
-void print_registers(const card_view::SharedCard& card) {
+void print_registers(const scramnet::SharedCard& card) {
   for (const int csr : {0, 1, 2, 8})
     fmt::print("{}", replicated::csr_line(csr, card.csr[static_cast<std::size_t>(csr)]));
   fmt::print("  interrupt FIFO {} of 1024, {} interrupts to the host\n", card.interrupt_fifo,
@@ -31,7 +31,7 @@ broker::RingReport usable_ring(const std::string& name) {
 }
 
 // Nodes of a ring in shared memory see the same words, so there are no messages to show.
-int show_shared(const broker::RingReport& ring, const std::vector<card_view::SharedCard>& cards) {
+int show_shared(const broker::RingReport& ring, const std::vector<scramnet::SharedCard>& cards) {
   fmt::print("{}: {} bytes in shared memory, {} processes, {} cards\n", ring.name, ring.bytes,
              ring.occupants.size(), ring.cards);
   for (const auto& occupant : ring.occupants)
@@ -52,7 +52,7 @@ int show_images(const broker::RingReport& ring) {
   fmt::print("{}: {} bytes for each of {} nodes\n", ring.name, ring.bytes, nodes.size());
   for (const auto& node : nodes) {
     const std::string image = replicated::image_name(ring.name, node.name);
-    for (const auto& card : card_view::cards_of(image)) {
+    for (const auto& card : scramnet::cards_of(image)) {
       if (!card.carried) continue;
       fmt::print("\n{}, image '{}', id {}\n", node.name, image, card.id);
       print_registers(card);
@@ -70,7 +70,7 @@ int show_images(const broker::RingReport& ring) {
 
 int show_running(const std::string& name) {
   const auto ring = usable_ring(name);
-  const auto cards = card_view::cards_of(name);
+  const auto cards = scramnet::cards_of(name);
   const bool has_images = std::any_of(cards.begin(), cards.end(),
                                       [](const auto& card) { return card.carried.has_value(); });
   return has_images ? show_images(ring) : show_shared(ring, cards);

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/process.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 
-#include "process.hpp"
 #include "record.hpp"
 #include "segment.hpp"
 

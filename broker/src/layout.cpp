@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "layout.hpp"
+#include <rths/broker/detail/layout.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -7,12 +7,12 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/card_layout.hpp>
+#include <rths/broker/detail/process.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 
-#include "card_layout.hpp"
 #include "journal.hpp"
-#include "process.hpp"
 #include "record.hpp"
 
 namespace rths::broker {

@@ -3,7 +3,7 @@
 // The kernel sends SIGBUS to a process that touches a page which its object no longer has. The
 // handler finds the mapping of the page. It uses system calls only, since it may interrupt any
 // code.
-#include "lost_memory.hpp"
+#include <rths/broker/detail/lost_memory.hpp>
 
 #include <sys/mman.h>
 #include <unistd.h>
@@ -12,9 +12,8 @@
 #include <cerrno>
 #include <csignal>
 
+#include <rths/broker/detail/layout.hpp>
 #include <rths/broker/ring.hpp>
-
-#include "layout.hpp"
 
 namespace rths::broker {
 namespace {

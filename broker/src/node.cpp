@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/process.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 
-#include "process.hpp"
 #include "record.hpp"
 #include "repair.hpp"
 #include "segment.hpp"

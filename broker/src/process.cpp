@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "process.hpp"
+#include <rths/broker/detail/process.hpp>
 
 #include <fcntl.h>
 #include <pthread.h>
@@ -16,9 +16,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/layout.hpp>
 #include <rths/core/error.hpp>
-
-#include "layout.hpp"
 
 namespace rths::broker {
 namespace {

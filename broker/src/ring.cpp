@@ -51,6 +51,10 @@ Ring::~Ring() = default;
 
 Ring Ring::create(const std::string& name, const memmap::Map& map, std::uint32_t journal_bits) {
   remove_if_abandoned(name);
+  return create_new(name, map, journal_bits);
+}
+
+Ring Ring::create_new(const std::string& name, const memmap::Map& map, std::uint32_t journal_bits) {
   return Ring{Segment::create_shared(name, map, journal_bits)};
 }
 

@@ -12,13 +12,12 @@
 #include <fmt/format.h>
 #include <sys/mman.h>
 
+#include <rths/broker/detail/card_layout.hpp>
+#include <rths/broker/detail/process.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
-
-#include "card_layout.hpp"
-#include "process.hpp"
 
 namespace rths::broker {
 namespace {

@@ -8,13 +8,14 @@
 #include <string>
 #include <vector>
 
+#include <rths/broker/detail/layout.hpp>
+#include <rths/broker/detail/process.hpp>
+#include <rths/broker/detail/shared_object.hpp>
+#include <rths/broker/detail/wake.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
 #include "journal.hpp"
-#include "layout.hpp"
-#include "process.hpp"
-#include "shared_object.hpp"
 
 namespace rths::broker {
 

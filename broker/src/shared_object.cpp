@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "shared_object.hpp"
+#include <rths/broker/detail/shared_object.hpp>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -11,9 +11,8 @@
 #include <cstring>
 #include <filesystem>
 
+#include <rths/broker/detail/lost_memory.hpp>
 #include <rths/core/error.hpp>
-
-#include "lost_memory.hpp"
 
 namespace rths::broker {
 namespace {

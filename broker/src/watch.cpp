@@ -11,10 +11,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/process.hpp>
 #include <rths/broker/follow.hpp>
 #include <rths/core/error.hpp>
 
-#include "process.hpp"
 #include "segment.hpp"
 
 namespace rths::broker {

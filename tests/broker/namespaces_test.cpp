@@ -23,10 +23,10 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <rths/broker/detail/process.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 
-#include "broker/src/process.hpp"
 #include "support/ring_maps.hpp"
 
 namespace rths::broker {

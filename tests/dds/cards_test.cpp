@@ -12,11 +12,12 @@
 
 #include <gtest/gtest.h>
 
-#include "bits.hpp"
+#include <rths/broker/detail/shared_object.hpp>
+#include <rths/card/bits.hpp>
+#include <rths/card/gt_queue.hpp>
+#include <rths/card/gt_registers.hpp>
+
 #include "broker/dds/src/cards.hpp"
-#include "broker/src/shared_object.hpp"
-#include "gt_queue.hpp"
-#include "gt_registers.hpp"
 #include "support/files.hpp"
 #include "support/ring_maps.hpp"
 

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
+#include <rths/broker/detail/layout.hpp>
+#include <rths/broker/detail/shared_object.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/dds/gateway.hpp>
 
-#include "broker/src/layout.hpp"
-#include "broker/src/shared_object.hpp"
 #include "support/ring_maps.hpp"
 #include "support/waiting.hpp"
 

@@ -29,12 +29,13 @@ import time
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
 ENGINE = TREE / "broker/replicated/src"
-CARD = TREE / "broker/scramnet/src"
+CARD = TREE / "broker/card/src"
+CARD_HEADERS = TREE / "broker/card/include/rths/card"
 SOURCES = [ENGINE / name for name in ("engine.cpp", "events.cpp", "transmitter.cpp", "receiver.cpp", "plus_host.cpp", "gt_host.cpp", "cards.cpp")] + \
           [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp", "store_effect.cpp", "store_instruction.cpp")]
 HEADERS = [ENGINE / name for name in ("transmit_fifo.hpp", "events.hpp", "node.hpp", "acr_cells.hpp", "sparse_bytes.hpp", "rates.hpp")] + \
-          [CARD / name for name in ("bits.hpp", "gt_registers.hpp")]
-PRECOMPILED = ("cmath", "ctime", "array", "algorithm", "fmt/format.h", "rths/core/error.hpp", "engine.hpp", "fifo.hpp", "bits.hpp")
+          [CARD_HEADERS / name for name in ("bits.hpp", "gt_registers.hpp")]
+PRECOMPILED = ("cmath", "ctime", "array", "algorithm", "fmt/format.h", "rths/core/error.hpp", "engine.hpp", "rths/card/fifo.hpp", "rths/card/bits.hpp")
 LEAST_KILLED = 0.95
 LIMIT_S, LIMIT_BYTES = 6, 4 << 30  # computing time, ten times that of all tests, and memory: a change may make a test endless
 SKIPPED = "-*On256Nodes*"  # long
@@ -128,8 +129,8 @@ def changes_of(file):
 def included(file):
     """Names of the headers of the cards that a file includes, also through others."""
     names = set()
-    for name in re.findall(r'#include "(\w+\.hpp)"', text_of(file)):
-        for folder in (ENGINE, CARD):
+    for name in re.findall(r'#include ["<](?:rths/card/)?(\w+\.hpp)[">]', text_of(file)):
+        for folder in (ENGINE, CARD_HEADERS):
             if (folder / name).exists():
                 names |= {name} | included(folder / name)
     return names
@@ -151,12 +152,9 @@ class Build:
         words = shlex.split(next(line for line in listing if "rths_replicated.dir" in line and " -c " in line))
         words = [word for i, word in enumerate(words)
                  if word not in ("-MD", "-MT", "-MF", "-o", "-c") and words[i - 1] not in ("-MT", "-MF", "-o", "-c")]
-        words += ["-w", f"-I{ENGINE}", f"-I{CARD}", f"-I{CARD.parent}/include/scramnet"]
+        words += ["-w", f"-I{ENGINE}"]
         self.compiler = [word.replace(f"-I{TREE}", f"-I{work}") for word in words]
-        own = sorted({*ENGINE.glob("*.cpp"), *CARD.glob("*.cpp")})
-        inside = " ".join(listing)
-        self.sources = [source for source in own if source.parent == ENGINE or source in SOURCES or
-                        source.name in self.of_cards(inside)]
+        self.sources = sorted({*ENGINE.glob("*.cpp"), *CARD.glob("*.cpp")})
         header = work / "precompiled.hpp"
         header.write_text("".join(f"#include <{name}>\n" for name in PRECOMPILED))
         self.header = header
@@ -166,12 +164,6 @@ class Build:
         with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
             if not all(pool.map(lambda command: self.run([*self.compiler, *command]), commands)):
                 sys.exit("the unchanged code does not compile")
-
-    def of_cards(self, commands):
-        """Names of the sources that the build links beside the registers."""
-        units = [self.folder / match for match in re.findall(r"\S*rths_scramnet_card\.dir/Unity/\S+\.cxx(?= )", commands)]
-        text = commands + "".join(unit.read_text() for unit in units if unit.exists())
-        return set(re.findall(r"scramnet/src/(\w+\.cpp)", text))
 
     def run(self, command):
         return subprocess.run(command, cwd=self.folder, capture_output=True, text=True).returncode == 0
@@ -184,20 +176,23 @@ class Build:
             changed.write_text(change.applied())
             done = self.run([*self.compiler, "-O0", "-include", str(self.header), "-c", str(changed), "-o", str(own)])
             return [own] + [one for source, one in self.objects.items() if source != change.file] if done else None
-        for one in {*ENGINE.glob("*.hpp"), *CARD.glob("*.hpp"), *self.sources}:
-            shutil.copy(self.work / one.relative_to(TREE), folder / one.name)
-        (folder / change.file.name).write_text(change.applied())
+        card = folder / "rths/card"
+        card.mkdir(parents=True)
+        for one in {*ENGINE.glob("*.hpp"), *CARD_HEADERS.glob("*.hpp"), *self.sources}:
+            shutil.copy(self.work / one.relative_to(TREE), card if one.parent == CARD_HEADERS else folder)
+        ((card if change.file.parent == CARD_HEADERS else folder) / change.file.name).write_text(change.applied())
         users = [source for source in self.sources if change.file.name in included(source)]
         unit = folder / "all.cpp"
         unit.write_text("".join(f'#include "{source.name}"\n' for source in users))
-        words = [word for word in self.compiler if not word.endswith(("replicated/src", "scramnet/src"))]
+        words = [word for word in self.compiler if not word.endswith(("replicated/src", "card/include"))]
         done = self.run([*words, "-O0", f"-I{folder}", "-c", str(unit), "-o", str(own)])
         return [own] + [one for source, one in self.objects.items() if source not in users] if done else None
 
     def program(self, objects, into):
         words = []
         for word in self.link:
-            words += [str(one) for one in objects] if word.endswith("librths_replicated.a") else [word]
+            if not word.endswith("librths_card.a"):
+                words += [str(one) for one in objects] if word.endswith("librths_replicated.a") else [word]
         words[words.index("bin/rths_replicated_test")] = str(into)
         return self.run(words)
 

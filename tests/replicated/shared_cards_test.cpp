@@ -8,12 +8,12 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/broker/detail/process.hpp>
+#include <rths/card/bits.hpp>
+#include <rths/card/card_table.hpp>
+#include <rths/card/registers.hpp>
 #include <rths/replicated/images.hpp>
 
-#include "bits.hpp"
-#include "card_table.hpp"
-#include "process.hpp"
-#include "registers.hpp"
 #include "support/ring_maps.hpp"
 
 namespace rths::replicated {

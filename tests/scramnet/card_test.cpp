@@ -14,12 +14,13 @@
 
 #include <gtest/gtest.h>
 
-#include "bits.hpp"
+#include <rths/broker/detail/shared_object.hpp>
+#include <rths/card/bits.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/gt_queue.hpp>
+
 #include "board.hpp"
-#include "fifo.hpp"
-#include "gt_queue.hpp"
 #include "settings.hpp"
-#include "shared_object.hpp"
 #include "support/files.hpp"
 #include "support/ring_maps.hpp"
 

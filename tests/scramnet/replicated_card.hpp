@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/card_view/card_view.hpp>
+#include <rths/card/shared_cards.hpp>
 
 #include "support/carried_images.hpp"
 #include "support/ring_maps.hpp"
@@ -84,8 +84,8 @@ class ReplicatedCard : public testing::Test {
     for (int i = 0; i < 3; ++i) set_csr(SCR_CSR10, csr(SCR_CSR10));
   }
   /// The card of a node as others see it.
-  static card_view::SharedCard card_of(const std::string& node) {
-    return card_view::cards_of(image(node)).at(0);
+  static scramnet::SharedCard card_of(const std::string& node) {
+    return scramnet::cards_of(image(node)).at(0);
   }
 
   /// Every word of the machine interrupts when any message of another node comes.

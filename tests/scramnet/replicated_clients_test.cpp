@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/card_view/card_view.hpp>
+#include <rths/card/shared_cards.hpp>
 
 #include "support/carried_images.hpp"
 #include "support/long_run.hpp"
@@ -79,7 +79,7 @@ class ReplicatedClients : public rths::test::VendorRing {
   /// Waits until a program has written CSR0. A store does not reach a card that joins later.
   static bool is_on_ring(const std::string& node, unsigned csr0) {
     for (int i = 0; i < 10'000; ++i, usleep(1000))
-      for (const auto& card : rths::card_view::cards_of(rths::replicated::image_name(name(), node)))
+      for (const auto& card : rths::scramnet::cards_of(rths::replicated::image_name(name(), node)))
         if (card.csr[0] == csr0) return true;
     return false;
   }

@@ -2,7 +2,6 @@
 //
 // The decoder of traps against the processor: assembled instructions are executed, and decoded from
 // the same state.
-#include "store_instruction.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -11,6 +10,8 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include <rths/card/store_instruction.hpp>
 
 #if defined(__x86_64__)
 

@@ -7,11 +7,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/card/bits.hpp>
+#include <rths/card/gt_queue.hpp>
+#include <rths/card/gt_registers.hpp>
 #include <rths/core/error.hpp>
-
-#include "bits.hpp"
-#include "gt_queue.hpp"
-#include "gt_registers.hpp"
 
 namespace rths::dds {
 namespace {

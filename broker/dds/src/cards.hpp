@@ -18,9 +18,8 @@
 #include <vector>
 
 #include <rths/broker/ring.hpp>
+#include <rths/card/card_table.hpp>
 #include <rths/core/clock.hpp>
-
-#include "card_table.hpp"
 
 namespace rths::dds {
 

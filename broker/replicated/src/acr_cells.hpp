@@ -3,8 +3,9 @@
 
 #include <cstdint>
 
-#include "bits.hpp"
-#include "card.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/card.hpp>
+
 #include "sparse_bytes.hpp"
 
 namespace rths::replicated {

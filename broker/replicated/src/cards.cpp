@@ -3,12 +3,12 @@
 // Both types of card: accesses, power, the path of messages through a node, fibres.
 #include <algorithm>
 
+#include <rths/card/bits.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/registers.hpp>
 #include <rths/core/error.hpp>
 
-#include "bits.hpp"
 #include "engine.hpp"
-#include "fifo.hpp"
-#include "registers.hpp"
 
 namespace rths::replicated {
 

@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
+#include <rths/card/gt_registers.hpp>
 #include <rths/replicated/ring.hpp>
 
 #include "events.hpp"
-#include "gt_registers.hpp"
 #include "message.hpp"
 #include "node.hpp"
 #include "rates.hpp"

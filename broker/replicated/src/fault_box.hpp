@@ -4,10 +4,9 @@
 #include <optional>
 #include <string>
 
+#include <rths/broker/detail/layout.hpp>
+#include <rths/broker/detail/shared_object.hpp>
 #include <rths/replicated/scenario.hpp>
-
-#include "layout.hpp"
-#include "shared_object.hpp"
 
 namespace rths::replicated {
 

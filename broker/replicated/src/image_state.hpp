@@ -13,9 +13,9 @@
 
 #include <rths/broker/follow.hpp>
 #include <rths/broker/watch.hpp>
+#include <rths/card/card_table.hpp>
 #include <rths/replicated/images.hpp>
 
-#include "card_table.hpp"
 #include "engine.hpp"
 #include "fault_box.hpp"
 

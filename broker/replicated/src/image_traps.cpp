@@ -4,9 +4,10 @@
 // is sent once.
 #include <algorithm>
 
-#include "bits.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/trap_queue.hpp>
+
 #include "image_state.hpp"
-#include "trap_queue.hpp"
 
 namespace rths::replicated {
 namespace {

@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include <rths/card/image_name.hpp>
+#include <rths/card/monotonic_time.hpp>
 #include <rths/core/error.hpp>
 
-#include "image_name.hpp"
 #include "image_state.hpp"
-#include "monotonic_time.hpp"
 
 namespace rths::replicated {
 namespace {

@@ -4,12 +4,12 @@
 #include <array>
 #include <memory>
 
+#include <rths/card/card.hpp>
+#include <rths/card/registers.hpp>
 #include <rths/replicated/ring.hpp>
 
 #include "acr_cells.hpp"
-#include "card.hpp"
 #include "message.hpp"
-#include "registers.hpp"
 #include "sparse_bytes.hpp"
 #include "transmit_fifo.hpp"
 

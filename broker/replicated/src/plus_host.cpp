@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The host's side of a SCRAMNet+ card: stores, registers, ACR.
-#include "bits.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/registers.hpp>
+
 #include "engine.hpp"
-#include "fifo.hpp"
-#include "registers.hpp"
 
 namespace rths::replicated {
 

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The effect of a message on a card that has received its last bit.
-#include "bits.hpp"
 #include "engine.hpp"
-#include "fifo.hpp"
-#include "interrupts.hpp"
-#include "registers.hpp"
 
 #include <gtucore.h>
+
+#include <rths/card/bits.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/interrupts.hpp>
+#include <rths/card/registers.hpp>
 
 namespace rths::replicated {
 

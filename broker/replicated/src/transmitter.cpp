@@ -4,9 +4,10 @@
 // repetition until a message has returned intact.
 #include <algorithm>
 
-#include "bits.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/registers.hpp>
+
 #include "engine.hpp"
-#include "registers.hpp"
 
 namespace rths::replicated {
 

@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
+#include <rths/card/bits.hpp>
+#include <rths/card/interrupts.hpp>
 #include <rths/core/error.hpp>
 
-#include "bits.hpp"
 #include "carried.hpp"
-#include "interrupts.hpp"
 
 namespace rths::scramnet {
 namespace {

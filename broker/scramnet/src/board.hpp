@@ -4,8 +4,9 @@
 #include <atomic>
 #include <cstdint>
 
+#include <rths/card/registers.hpp>
+
 #include "card_session.hpp"
-#include "registers.hpp"
 #include "ring_copy.hpp"
 #include "scanner.hpp"
 #include "settings.hpp"

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <rths/card/image_name.hpp>
 #include <rths/core/error.hpp>
 
-#include "image_name.hpp"
 #include "ring_of_clients.hpp"
 #include "warning.hpp"
 

@@ -7,8 +7,8 @@
 #include <string>
 
 #include <rths/broker/ring.hpp>
+#include <rths/card/card_table.hpp>
 
-#include "card_table.hpp"
 #include "settings.hpp"
 
 namespace rths::scramnet {

@@ -3,7 +3,7 @@
 
 #include <ctime>
 
-#include "monotonic_time.hpp"
+#include <rths/card/monotonic_time.hpp>
 
 namespace rths::scramnet {
 namespace {

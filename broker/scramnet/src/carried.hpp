@@ -4,7 +4,7 @@
 // of a signal.
 #pragma once
 
-#include "card.hpp"
+#include <rths/card/card.hpp>
 
 namespace rths::scramnet {
 

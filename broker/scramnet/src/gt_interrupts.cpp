@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <ctime>
 
+#include <rths/card/monotonic_time.hpp>
+
 #include "gt_unit.hpp"
-#include "monotonic_time.hpp"
 
 using namespace rths::scramnet;
 

@@ -2,10 +2,11 @@
 #pragma once
 
 #include "card_session.hpp"
-#include "gt_queue.hpp"
-#include "gt_registers.hpp"
 
 #include <scgtapi.h>
+
+#include <rths/card/gt_queue.hpp>
+#include <rths/card/gt_registers.hpp>
 
 namespace rths::scramnet {
 

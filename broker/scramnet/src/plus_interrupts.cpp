@@ -8,11 +8,12 @@
 #include <csignal>
 #include <cstring>
 
-#include "fifo.hpp"
-#include "interrupts.hpp"
 #include "plus_state.hpp"
 
 #include <scrplus.h>
+
+#include <rths/card/fifo.hpp>
+#include <rths/card/interrupts.hpp>
 
 using namespace rths::scramnet;
 

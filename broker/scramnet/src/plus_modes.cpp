@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Vendor's calls: identity, age, time-out, paging, counter and protocol of a SCRAMNet+ card.
-#include "bits.hpp"
 #include "plus_state.hpp"
 
 #include <scrplus.h>
+
+#include <rths/card/bits.hpp>
 
 using namespace rths::scramnet;
 

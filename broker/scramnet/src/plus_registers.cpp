@@ -3,10 +3,11 @@
 // Vendor's calls: registers.
 #include <cstdio>
 
-#include "bits.hpp"
 #include "plus_state.hpp"
 
 #include <scrplus.h>
+
+#include <rths/card/bits.hpp>
 
 using namespace rths::scramnet;
 

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/shared_object.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/map.hpp>
 
-#include "segment.hpp"
 #include "warning.hpp"
 
 namespace rths::scramnet {
@@ -44,7 +44,7 @@ broker::Ring attach_or_make(const Settings& settings) {
       if (!exists(settings.ring)) {
         const auto map =
             settings.map.empty() ? plain_map(settings) : memmap::load_map(settings.map);
-        const auto made = broker::Segment::create_shared(settings.ring, map, broker::kJournalBits);
+        const auto made = broker::Ring::create_new(settings.ring, map);
         if (settings.map.empty() && settings.ring_is_chosen) announce_plain_ring(settings);
       }
       return broker::Ring::attach(settings.ring);

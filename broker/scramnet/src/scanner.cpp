@@ -8,11 +8,11 @@
 #include <csignal>
 #include <ctime>
 
-#include "bits.hpp"
-#include "fifo.hpp"
-#include "interrupts.hpp"
-#include "monotonic_time.hpp"
-#include "registers.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/interrupts.hpp>
+#include <rths/card/monotonic_time.hpp>
+#include <rths/card/registers.hpp>
 
 namespace rths::scramnet {
 namespace {

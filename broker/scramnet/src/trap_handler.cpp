@@ -16,8 +16,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "bits.hpp"
-#include "registers.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/registers.hpp>
 
 namespace rths::scramnet {
 namespace {

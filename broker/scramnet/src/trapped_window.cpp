@@ -7,9 +7,10 @@
 #include <cstring>
 #include <ctime>
 
-#include "bits.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/registers.hpp>
+
 #include "carried.hpp"
-#include "registers.hpp"
 #include "ring_copy.hpp"
 
 namespace rths::scramnet {

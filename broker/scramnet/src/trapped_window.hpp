@@ -10,8 +10,9 @@
 #include <optional>
 #include <span>
 
-#include "store_instruction.hpp"
-#include "trap_queue.hpp"
+#include <rths/card/store_instruction.hpp>
+#include <rths/card/trap_queue.hpp>
+
 #include "traps.hpp"
 
 namespace rths::scramnet {

@@ -5,8 +5,9 @@
 #include <csignal>
 #include <utility>
 
-#include "bits.hpp"
-#include "registers.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/registers.hpp>
+
 #include "trapped_window.hpp"
 #include "warning.hpp"
 

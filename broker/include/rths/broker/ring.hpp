@@ -172,6 +172,10 @@ class Ring {
   /// @param journal_bits  a journal has 2^journal_bits entries of 16 bytes
   [[nodiscard]] static Ring create(const std::string& name, const memmap::Map& map,
                                    std::uint32_t journal_bits = kJournalBits);
+  /// The same, but replaces no ring.
+  /// @throws Error if the name is taken, or memory is short   @setup
+  [[nodiscard]] static Ring create_new(const std::string& name, const memmap::Map& map,
+                                       std::uint32_t journal_bits = kJournalBits);
   /// Attaches to an existing ring.
   /// @throws Error if there is no such ring, its layout version differs or it is damaged   @setup
   [[nodiscard]] static Ring attach(const std::string& name);

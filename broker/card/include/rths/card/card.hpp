@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "card_layout.hpp"
-#include "process.hpp"
+#include <rths/broker/detail/card_layout.hpp>
+#include <rths/broker/detail/process.hpp>
 
 namespace rths::scramnet {
 

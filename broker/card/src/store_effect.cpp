@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The effect of an instruction on memory, registers and flags.
-#include "store_instruction.hpp"
+#include <rths/card/store_instruction.hpp>
 
 namespace rths::scramnet {
 namespace {

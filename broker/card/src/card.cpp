@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "card.hpp"
+#include <rths/card/card.hpp>
 
-#include "gt_registers.hpp"
-#include "registers.hpp"
+#include <rths/card/gt_registers.hpp>
+#include <rths/card/registers.hpp>
 
 namespace rths::scramnet {
 

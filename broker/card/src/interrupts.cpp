@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "interrupts.hpp"
+#include <rths/card/interrupts.hpp>
 
 #include <csignal>
 
-#include "registers.hpp"
+#include <rths/card/registers.hpp>
 
 namespace rths::scramnet {
 void deliver_if_due(Card& card, broker::Members members) {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <ctime>
 
-#include "gt_queue.hpp"
-#include "gt_registers.hpp"
-
 #include <linux/futex.h>
 #include <sched.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
 #include <gtucore.h>
+
+#include <rths/card/gt_queue.hpp>
+#include <rths/card/gt_registers.hpp>
 
 namespace rths::scramnet {
 namespace {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "process.hpp"
+#include <rths/broker/detail/process.hpp>
 
 namespace rths::broker {
 

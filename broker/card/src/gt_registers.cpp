@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gt_registers.hpp"
+#include <rths/card/gt_registers.hpp>
 
 #include <array>
 #include <ctime>

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace rths::card_view {
+namespace rths::scramnet {
 
 /// A card of a program on a ring in shared memory, as it was at one instant.
 struct SharedCard {
@@ -33,4 +33,4 @@ struct SharedCard {
 /// @throws Error if there is no such ring or it cannot be read   @setup
 [[nodiscard]] std::vector<SharedCard> cards_of(const std::string& ring);
 
-}  // namespace rths::card_view
+}  // namespace rths::scramnet

@@ -1,29 +1,28 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/card_view/card_view.hpp>
+#include <rths/card/shared_cards.hpp>
 
 #include <algorithm>
 
-#include "bits.hpp"
-#include "card_table.hpp"
-#include "fifo.hpp"
-#include "gt_registers.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/card_table.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/gt_registers.hpp>
 
-namespace rths::card_view {
+namespace rths::scramnet {
 namespace {
 
-SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& mapped,
-                   broker::Claim holder) {
-  const scramnet::Card& card = *mapped.card;
+SharedCard view_of(std::uint32_t index, const CardTable::CardView& mapped, broker::Claim holder) {
+  const Card& card = *mapped.card;
   SharedCard view;
   view.index = index;
   view.gt = mapped.acr == nullptr;
-  view.id = view.gt ? scramnet::node_id(card.gt) : card.plus.csr[3].load() >> 8 & 0xFF;
+  view.id = view.gt ? node_id(card.gt) : card.plus.csr[3].load() >> 8 & 0xFF;
   view.process = holder == 0 ? "" : broker::in_words(holder);
   for (std::size_t csr = 0; csr < view.csr.size(); ++csr)
     view.csr[csr] = card.plus.csr[csr].load() & 0xFFFF;
-  view.csr[1] = (card.plus.latched.load() & 0xFFFF) |
-                (card.plus.armed.load() != 0 ? scramnet::csr1::kArmed : 0U);
-  view.interrupt_fifo = std::min(scramnet::size(card.plus.fifo), scramnet::kFifoEntries);
+  view.csr[1] =
+      (card.plus.latched.load() & 0xFFFF) | (card.plus.armed.load() != 0 ? csr1::kArmed : 0U);
+  view.interrupt_fifo = std::min(size(card.plus.fifo), kFifoEntries);
   view.host_interrupts = card.plus.host_interrupts.load();
   if (card.carried.active.load() == 0) return view;
   view.csr[1] |= card.carried.live_status.load();
@@ -40,7 +39,7 @@ SharedCard view_of(std::uint32_t index, const scramnet::CardTable::CardView& map
 
 std::vector<SharedCard> cards_of(const std::string& name) {
   const broker::Ring ring = broker::Ring::attach(name);
-  const scramnet::CardTable cards{ring, name};
+  const CardTable cards{ring, name};
   std::vector<SharedCard> views;
   for (std::uint32_t index = 0; index < cards.count(); ++index)
     if (const auto card = cards.at(index))
@@ -48,4 +47,4 @@ std::vector<SharedCard> cards_of(const std::string& name) {
   return views;
 }
 
-}  // namespace rths::card_view
+}  // namespace rths::scramnet

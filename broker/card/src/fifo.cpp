@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fifo.hpp"
+#include <rths/card/fifo.hpp>
 
 namespace rths::scramnet {
 

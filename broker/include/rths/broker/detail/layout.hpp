@@ -9,8 +9,6 @@
 
 #include <rths/memmap/map.hpp>
 
-#include "wake.hpp"
-
 namespace rths::broker {
 
 // The shared-memory object of a ring, one per ring, named "/rths.<ring>":

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "card_table.hpp"
+#include <rths/card/card_table.hpp>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -12,10 +12,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/broker/detail/card_layout.hpp>
+#include <rths/broker/detail/lost_memory.hpp>
+#include <rths/broker/detail/shared_object.hpp>
 #include <rths/core/error.hpp>
-
-#include "lost_memory.hpp"
-#include "segment.hpp"
 
 namespace rths::scramnet {
 namespace {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "registers.hpp"
+#include <rths/card/registers.hpp>
 
 #include <ctime>
 #include <utility>
 
-#include "bits.hpp"
-#include "fifo.hpp"
-#include "monotonic_time.hpp"
+#include <rths/card/bits.hpp>
+#include <rths/card/fifo.hpp>
+#include <rths/card/monotonic_time.hpp>
 
 namespace rths::scramnet {
 namespace {

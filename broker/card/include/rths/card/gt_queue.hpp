@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "card.hpp"
+#include <rths/card/card.hpp>
 
 namespace rths::scramnet {
 

@@ -8,11 +8,10 @@
 #include <optional>
 #include <string>
 
+#include <rths/broker/detail/layout.hpp>
+#include <rths/broker/detail/process.hpp>
 #include <rths/broker/ring.hpp>
-
-#include "card.hpp"
-#include "layout.hpp"
-#include "process.hpp"
+#include <rths/card/card.hpp>
 
 namespace rths::scramnet {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "store_instruction.hpp"
+#include <rths/card/store_instruction.hpp>
 
 #include <algorithm>
 

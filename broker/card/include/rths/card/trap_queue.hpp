@@ -8,7 +8,7 @@
 
 #include <optional>
 
-#include "card.hpp"
+#include <rths/card/card.hpp>
 
 namespace rths::scramnet {
 

@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include "card.hpp"
-#include "monotonic_time.hpp"
+#include <rths/card/card.hpp>
+#include <rths/card/monotonic_time.hpp>
 
 namespace rths::scramnet {
 

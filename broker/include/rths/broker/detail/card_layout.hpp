@@ -11,7 +11,7 @@ namespace rths::broker {
 //   acr_at             auxiliary control RAM (ACR)   a longword for each longword of memory
 //   behind it          last known values of words    the same; only of words that interrupt
 //
-// broker/scramnet defines the content. GT cards, which may be larger than kLargestPlusMemory, have
+// broker/card defines the content. GT cards, which may be larger than kLargestPlusMemory, have
 // registers only.
 inline constexpr std::uint64_t kCardRegisterBytes = 128U << 10U;
 inline constexpr std::uint64_t kLargestPlusMemory = 8U << 20U;
