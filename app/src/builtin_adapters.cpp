@@ -16,9 +16,9 @@
 namespace rths::app {
 namespace {
 
-using adapters::NodeContext;
-using adapters::NodeSettings;
-using adapters::TestSetup;
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::TestSetup;
 
 // A given history needs no OpenSees: the project's own solver imposes it.
 NodeSettings read_opensees(const std::string& node, const Config& table, const TestSetup& setup) {
@@ -38,11 +38,11 @@ NodeSettings read_external(const std::string& node, const Config& table, const T
   settings.make = solver.make;
   settings.schedule = solver.schedule;
   settings.has_computing_time = settings.waits_for_flags = true;
-  settings.machine_table = adapters::MachineTable::Model;
+  settings.machine_table = experiment::MachineTable::Model;
   return settings;
 }
 
-constexpr adapters::Factory kAdapters[] = {
+constexpr experiment::AdapterKind kAdapters[] = {
     {"recorder", adapters::read_recorder},
     {"srmd", adapters::read_srmd},
     {"ideal_machine", adapters::read_ideal_machine},
@@ -58,6 +58,6 @@ constexpr adapters::Factory kAdapters[] = {
 
 }  // namespace
 
-std::span<const adapters::Factory> builtin_adapters() { return kAdapters; }
+std::span<const experiment::AdapterKind> builtin_adapters() { return kAdapters; }
 
 }  // namespace rths::app

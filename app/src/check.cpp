@@ -16,6 +16,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/experiment/check.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/plugin/conformance.hpp>
@@ -50,14 +51,14 @@ int check_recording(const std::string& file) {
   return kOk;
 }
 
-int check_experiment(const std::string& file, const launch::Overrides& changes) {
+int check_experiment(const std::string& file, const experiment::Overrides& changes) {
   const auto experiment = load_experiment(file, changes);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   launch::check_assembly(experiment);
   check_sizes(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
              experiment.nodes.size(), experiment.duration, experiment.motion_name);
-  if (!experiment.history) fmt::print("{}\n", launch::describe_motion(experiment));
+  if (!experiment.history) fmt::print("{}\n", experiment::describe_motion(experiment));
   return kOk;
 }
 
@@ -125,7 +126,7 @@ int check_machine(const std::string& file, const Config& config) {
 int check_limits(const std::string& file) {
   Config table;
   table.put("file", std::filesystem::absolute(file).string());
-  adapters::TestSetup setup;
+  experiment::TestSetup setup;
   setup.axes = {"long", "lat"};
   static_cast<void>(adapters::with_safety({}, table, setup));
   fmt::print("{}: limits of a safety layer; [node.srmd.safety] file = names it\n", file);
@@ -178,7 +179,7 @@ bool is_experiment(const Config& config) {
   return !has_value(config, "node") && (config.has("format") || config.has("node"));
 }
 
-int check_changed(const std::string& file, const launch::Overrides& changes) {
+int check_changed(const std::string& file, const experiment::Overrides& changes) {
   if (!is_experiment(Config::load(file)))
     throw Error{file + ": is no experiment, expected one with --set"};
   return check_experiment(file, changes);

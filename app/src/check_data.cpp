@@ -10,6 +10,7 @@
 
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
+#include <rths/experiment/check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/table.hpp>
 #include <rths/sim/motion_file.hpp>
@@ -50,7 +51,7 @@ std::string describe_column(const sim::MotionFile& motion, int column) {
 }
 
 int check_motion(const std::string& file) {
-  const auto [motion, remarks] = launch::check_motion_file(file);
+  const auto [motion, remarks] = experiment::check_motion_file(file);
   std::string text = fmt::format("{}: ground motion ({}), {} samples, interval {:g} s, peak ", file,
                                  motion.format, motion.columns[0].values.size(), motion.time_step);
   for (std::size_t i = 0; i < motion.columns.size(); ++i)

@@ -13,7 +13,7 @@
 namespace CLI {
 class App;
 }
-namespace rths::launch {
+namespace rths::experiment {
 struct Experiment;
 }
 
@@ -359,7 +359,7 @@ void add_ring_commands(CLI::App& app, RingCommandArguments& arguments, Chosen& c
 
 /// Prints what is unusual about an experiment, a line each on standard error.
 /// @throws Error if it is implausible
-void check_sizes(const launch::Experiment& experiment);
+void check_sizes(const experiment::Experiment& experiment);
 
 /// Version of the program, for recordings.
 [[nodiscard]] std::string version();

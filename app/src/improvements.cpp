@@ -7,15 +7,16 @@
 namespace rths::app {
 
 std::vector<std::filesystem::path> improvements_of(const std::filesystem::path& experiment,
-                                                   const launch::Overrides& changes) {
-  const Config model = launch::changed_experiment(experiment, changes).table_or_empty("model");
+                                                   const experiment::Overrides& changes) {
+  const Config model = experiment::changed_experiment(experiment, changes).table_or_empty("model");
   std::vector<std::filesystem::path> files;
   for (const auto& file : model.texts("improvement", {})) files.push_back(model.resolve(file));
   return files;
 }
 
-launch::Overrides improved_by(const std::vector<std::filesystem::path>& files,
-                              const std::filesystem::path& experiment, launch::Overrides changes) {
+experiment::Overrides improved_by(const std::vector<std::filesystem::path>& files,
+                                  const std::filesystem::path& experiment,
+                                  experiment::Overrides changes) {
   if (files.empty()) return changes;
   auto all = improvements_of(experiment, changes);
   all.insert(all.end(), files.begin(), files.end());

@@ -44,7 +44,7 @@ class Draft {
 
 budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                  const std::filesystem::path& file,
-                                 const launch::Overrides& changes,
+                                 const experiment::Overrides& changes,
                                  const std::filesystem::path& folder, const std::string& fragment) {
   const auto experiment = load_experiment(file, changes);
   auto improved = experiment;
@@ -80,12 +80,13 @@ bool is_companion(const std::filesystem::path& recording,
 }
 
 // The improved simulation as an experiment, if the transfer system is identified.
-void improve_experiment(const std::filesystem::path& file, const launch::Overrides& changes,
+void improve_experiment(const std::filesystem::path& file, const experiment::Overrides& changes,
                         diagnosis::Verdict& verdict) {
   if (verdict.outcome != diagnosis::Outcome::Missing ||
       !budget::is_tracking_identified(verdict.budget))
     return;
-  const Config experiment = launch::changed_experiment(std::filesystem::absolute(file), changes);
+  const Config experiment =
+      experiment::changed_experiment(std::filesystem::absolute(file), changes);
   auto& improved = verdict.improved;
   improved.experiment = session::improved_experiment(experiment, verdict.fragment, verdict.budget);
   improved.experiment_folder = experiment.resolve("");
@@ -95,8 +96,9 @@ void improve_experiment(const std::filesystem::path& file, const launch::Overrid
 }  // namespace
 
 void add_mismatch_budget(const std::filesystem::path& recording,
-                         const std::filesystem::path& experiment, const launch::Overrides& changes,
-                         const std::filesystem::path& folder, diagnosis::Verdict& verdict) {
+                         const std::filesystem::path& experiment,
+                         const experiment::Overrides& changes, const std::filesystem::path& folder,
+                         diagnosis::Verdict& verdict) {
   try {
     diagnosis::add_budget(budget_of(recording, experiment, changes, folder, verdict.fragment),
                           verdict);

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/verdict/verdict.hpp>
 
 namespace rths::app {
@@ -14,8 +14,9 @@ namespace rths::app {
 /// @param changes  of the run to its experiment
 /// @param folder  of the results; the improved model of the verdict is written there
 void add_mismatch_budget(const std::filesystem::path& recording,
-                         const std::filesystem::path& experiment, const launch::Overrides& changes,
-                         const std::filesystem::path& folder, diagnosis::Verdict& verdict);
+                         const std::filesystem::path& experiment,
+                         const experiment::Overrides& changes, const std::filesystem::path& folder,
+                         diagnosis::Verdict& verdict);
 
 /// The same with the experiment that the recording names. Does nothing if its file is gone.
 void add_mismatch_budget(const std::filesystem::path& recording,

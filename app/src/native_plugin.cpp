@@ -13,8 +13,8 @@
 namespace rths::app {
 namespace {
 
-launch::Overrides changes_of(const Config& config) {
-  launch::Overrides changes;
+experiment::Overrides changes_of(const Config& config) {
+  experiment::Overrides changes;
   for (const auto& text : config.texts("set", {})) {
     const auto change = key_value(text);
     if (!change) config.fail("set", "found '" + text + "', expected key=value");
@@ -63,9 +63,9 @@ class NativePlugin final : public rths::PluginBase {
  private:
   [[nodiscard]] std::unique_ptr<adapters::Adapter> make() const;
 
-  launch::Experiment experiment_;
+  experiment::Experiment experiment_;
   std::filesystem::path recording_;
-  const launch::NodePlan* plan_ = nullptr;
+  const experiment::NodePlan* plan_ = nullptr;
   std::unique_ptr<adapters::Adapter> adapter_;
   std::vector<adapters::Port> ports_;
   std::size_t inputs_ = 0;
@@ -82,7 +82,7 @@ NativePlugin::NativePlugin(const char* text) {
   for (const auto& plan : experiment_.nodes)
     if (plan.node == node) plan_ = &plan;
   if (plan_ == nullptr) config.fail("node", "the experiment has no node '" + node + "'");
-  if (plan_->settings.role == adapters::Role::Recorder && recording_.empty())
+  if (plan_->settings.role == experiment::Role::Recorder && recording_.empty())
     config.fail("node", "node '" + node + "' is a recorder, expected the key recording");
   ports_ = make()->ports();
   for (const auto& port : ports_)
@@ -94,9 +94,9 @@ NativePlugin::NativePlugin(const char* text) {
 std::unique_ptr<adapters::Adapter> NativePlugin::make() const {
   const memmap::Map map = memmap::load_map(experiment_.map);
   const bool is_virtual = recording_.empty();  // a recorder has a thread, as in real time
-  adapters::NodeContext context{plan_->node, plan_->schedule.period, is_virtual, recording_,
-                                map,         experiment_.texts(),    {},         {},
-                                {}};
+  experiment::NodeContext context{plan_->node, plan_->schedule.period, is_virtual, recording_,
+                                  map,         experiment_.texts(),    {},         {},
+                                  {}};
   for (const auto& plan : experiment_.nodes) context.periods[plan.node] = plan.schedule.period;
   return plan_->settings.make(experiment_, context);
 }

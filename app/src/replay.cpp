@@ -151,7 +151,7 @@ Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) 
                     arguments.node)};
   table.put("file", std::filesystem::absolute(arguments.library).string());
   if (!table.has("role")) table.put("role", std::string{"machine"});
-  const adapters::TestSetup setup;
+  const experiment::TestSetup setup;
   const auto settings = fmi::read_fmu(arguments.node, table, setup);
   const double period = table.number("period_s", to_seconds(settings.schedule.period));
   const auto& time = run.time();
@@ -163,7 +163,7 @@ Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) 
         fmt::format("the FMU has steps of {:g} s, expected a multiple of the recording's "
                     "rows, {:g} s",
                     period, row)};
-  const adapters::NodeContext context{
+  const experiment::NodeContext context{
       arguments.node, from_seconds(period), true, {}, run.map(), {}, {}, {}, {}};
   return {settings.make(setup, context), static_cast<std::size_t>(rows)};
 }

@@ -18,6 +18,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/core/message.hpp>
+#include <rths/experiment/check.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -65,12 +66,12 @@ RunFolder folder_for(const RunArguments& arguments, const std::string& name) {
   return RunFolder{arguments.out, arguments.force};
 }
 
-bool has_adapter(const launch::Experiment& experiment, const char* adapter) {
+bool has_adapter(const experiment::Experiment& experiment, const char* adapter) {
   return std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
                      [&](const auto& plan) { return plan.adapter == adapter; });
 }
 
-void check_host(const RunArguments& arguments, const launch::Experiment& experiment) {
+void check_host(const RunArguments& arguments, const experiment::Experiment& experiment) {
   if (arguments.host.empty()) return;
   std::vector<std::string> known;
   for (const auto& host : experiment.hosts) known.push_back(host.name);
@@ -176,7 +177,7 @@ class Companions {
 };
 
 // Computes the companions of a completed run, its diagnosis and its report.
-int conclude(const RunArguments& arguments, const launch::Experiment& experiment,
+int conclude(const RunArguments& arguments, const experiment::Experiment& experiment,
              const std::filesystem::path& folder, std::vector<report::Broken> broken) {
   const bool has_held_out = experiment.held_out.has_value() && !has_adapter(experiment, "external");
   const bool diagnoses = has_held_out && arguments.diagnoses;
@@ -236,7 +237,7 @@ launch::RunOptions options_for(const RunArguments& arguments, const std::string&
 /// Where the recording of a run is.
 enum class Recorded { Here, OnAnotherHost, Nowhere };
 
-Recorded recorded(const RunArguments& arguments, const launch::Experiment& experiment) {
+Recorded recorded(const RunArguments& arguments, const experiment::Experiment& experiment) {
   if (!has_adapter(experiment, "recorder")) return Recorded::Nowhere;
   return arguments.host.empty() || arguments.host == experiment.leading_host()
              ? Recorded::Here
@@ -244,7 +245,7 @@ Recorded recorded(const RunArguments& arguments, const launch::Experiment& exper
 }
 
 std::string text_of(Recorded recorded, const std::filesystem::path& recording,
-                    const launch::Experiment& experiment) {
+                    const experiment::Experiment& experiment) {
   if (recorded == Recorded::Here)
     return std::filesystem::exists(recording) ? recording.string() : "none: the file is missing";
   if (recorded == Recorded::OnAnotherHost)
@@ -253,7 +254,7 @@ std::string text_of(Recorded recorded, const std::filesystem::path& recording,
 }
 
 // Judges the recording of a completed run and reports on it.
-int judge_and_report(const RunArguments& arguments, const launch::Experiment& experiment,
+int judge_and_report(const RunArguments& arguments, const experiment::Experiment& experiment,
                      const std::filesystem::path& folder) {
   const auto recording = folder / report::kRunFile;
   if (!std::filesystem::exists(recording))
@@ -302,7 +303,8 @@ int end_early(const launch::RunOutcome& outcome, const std::filesystem::path& fo
 }
 
 // How late the host was, if that may be why the test has no result: in virtual time it has one.
-std::string reason_to_repeat(const RunArguments& arguments, const launch::Experiment& experiment,
+std::string reason_to_repeat(const RunArguments& arguments,
+                             const experiment::Experiment& experiment,
                              const launch::RunOutcome& outcome,
                              const std::filesystem::path& recording) {
   const bool is_possible = arguments.repeats_late && experiment.hosts.empty() &&
@@ -317,7 +319,7 @@ std::string reason_to_repeat(const RunArguments& arguments, const launch::Experi
 }
 
 // The attempt in real time stays beside the repetition.
-launch::RunOutcome repeat_in_virtual_time(const launch::Experiment& experiment,
+launch::RunOutcome repeat_in_virtual_time(const experiment::Experiment& experiment,
                                           launch::RunOptions options) {
   const auto attempt = options.recording.parent_path() / report::kRealTimeFile;
   std::filesystem::rename(options.recording, attempt);
@@ -334,7 +336,8 @@ int run(const RunArguments& given) {
   RunArguments arguments = given;
   // Now: when the run has begun, the link `latest` leads to another folder.
   arguments.changes = improved_by(given.improvements, given.experiment, given.changes);
-  const launch::Experiment experiment = load_experiment(arguments.experiment, arguments.changes);
+  const experiment::Experiment experiment =
+      load_experiment(arguments.experiment, arguments.changes);
   static_cast<void>(report::read_bounds(experiment.conclusive));
   check_host(arguments, experiment);
   check_sizes(experiment);
@@ -377,7 +380,8 @@ int run(const RunArguments& given) {
 }
 
 int node(const NodeArguments& arguments) {
-  const launch::Experiment experiment = load_experiment(arguments.experiment, arguments.changes);
+  const experiment::Experiment experiment =
+      load_experiment(arguments.experiment, arguments.changes);
   return launch::run_node(experiment, arguments.node, arguments.ring, arguments.recording,
                           version());
 }
@@ -389,8 +393,8 @@ int report(const std::string& folder, const std::string& beside) {
   return print(report::make_report(folder, report::judge_run(folder), beside));
 }
 
-void check_sizes(const launch::Experiment& experiment) {
-  for (const auto& remarks : {experiment.remarks, launch::check_plausible(experiment)})
+void check_sizes(const experiment::Experiment& experiment) {
+  for (const auto& remarks : {experiment.remarks, experiment::check_plausible(experiment)})
     for (const auto& remark : remarks)
       write_message(fmt::format("rths: {}: {}\n", experiment.file.string(), remark));
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/adapters/adapter_runner.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/roles.hpp>
@@ -130,26 +131,36 @@ void extend_for_hosts(memmap::MapDescription& description, const Experiment& exp
   for (const auto& plan : experiment.nodes) append(turn_partition(plan.node), plan.node, 1);
 }
 
-adapters::NodeContext context_of(const Experiment& experiment, const NodePlan& plan,
-                                 ClockKind clock, const RecordingPlan& recording,
-                                 const memmap::Map& map) {
-  adapters::NodeContext context{plan.node,
-                                plan.schedule.period,
-                                clock == ClockKind::Virtual,
-                                recording.file,
-                                map,
-                                recording.texts,
-                                recording.meta,
-                                {},
-                                {}};
+experiment::NodeContext context_of(const Experiment& experiment, const NodePlan& plan,
+                                   ClockKind clock, const RecordingPlan& recording,
+                                   const memmap::Map& map) {
+  experiment::NodeContext context{plan.node,
+                                  plan.schedule.period,
+                                  clock == ClockKind::Virtual,
+                                  recording.file,
+                                  map,
+                                  recording.texts,
+                                  recording.meta,
+                                  {},
+                                  {}};
   for (const auto& other : experiment.nodes) {
     context.periods[other.node] = other.schedule.period;
-    const adapters::Role role = other.settings.role;
-    const bool moves_machine = role == adapters::Role::Solver || role == adapters::Role::Controller;
+    const experiment::Role role = other.settings.role;
+    const bool moves_machine =
+        role == experiment::Role::Solver || role == experiment::Role::Controller;
     if (moves_machine && !other.settings.program && other.node != plan.node)
       context.watched.push_back(other.node);
   }
   return context;
+}
+
+std::optional<replicated::CardOptions> cards_of(const Experiment& experiment) {
+  if (!experiment.cards) return std::nullopt;
+  std::vector<std::string> names;
+  for (const auto& plan : experiment.nodes) names.push_back(plan.node);
+  auto cards = replicated::read_cards(experiment.cards->table, experiment.cards->faults, names);
+  cards.seed = experiment.seed;
+  return cards;
 }
 
 }  // namespace
@@ -170,10 +181,10 @@ Assembly assemble(const Experiment& experiment, ClockKind clock, const Recording
       stations.back().adapter =
           settings.make(experiment, context_of(experiment, plan, clock, recording, laboratory));
     extend(description, plan,
-           settings.monitors ? *settings.monitors : stations.back().adapter->ports());
+           settings.monitors ? settings.monitors() : stations.back().adapter->ports());
   }
   extend_for_hosts(description, experiment);
-  Assembly assembly{memmap::Map{std::move(description)}, std::move(stations)};
+  Assembly assembly{memmap::Map{std::move(description)}, std::move(stations), cards_of(experiment)};
   recording::check_roles(experiment.role_table, assembly.map);
   for (const auto& station : assembly.stations)
     if (station.adapter)

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/experiment/node.hpp>
+#include <rths/launch/run.hpp>
+#include <rths/replicated/images.hpp>
 
 namespace rths::launch {
 
@@ -21,6 +24,7 @@ struct Station {
 struct Assembly {
   memmap::Map map;
   std::vector<Station> stations;
+  std::optional<replicated::CardOptions> cards;  ///< of fidelity "replicated"; empty: "shared"
 };
 
 /// File of the recording, and the content of its /meta and /config.

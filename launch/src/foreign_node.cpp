@@ -15,9 +15,11 @@
 #include <rths/adapters/opf_layout.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
+#include <rths/experiment/user_program.hpp>
 
 #include "launcher_link.hpp"
 #include "peer_watch.hpp"
+#include "run_modes.hpp"
 
 namespace rths::launch {
 namespace {
@@ -147,16 +149,16 @@ class ForeignNode {
   [[nodiscard]] Presence presence() const { return observer_.presence_of(id_); }
 
   void start_program(const RunPlace& place) {
-    const adapters::UserProgram& program = *plan_.settings.program;
+    const experiment::UserProgram& program = *plan_.settings.program;
     // Of a program that joins by our interface. Cards find their image themselves.
-    const std::string own_ring = experiment_.ring_of(place.ring, plan_.node);
-    const auto motion = adapters::file_beside(place.recording, plan_.node, ".motion.csv");
+    const std::string own_ring = ring_of(experiment_, place.ring, plan_.node);
+    const auto motion = experiment::file_beside(place.recording, plan_.node, ".motion.csv");
     adapters::ProgramStart start;
     for (auto argument : program.command) {
-      if (adapters::fill_in(argument, experiment_, motion))
-        std::ofstream{motion} << adapters::motion_text(experiment_.motion);
-      adapters::replace_all(argument, adapters::kRingPlaceholder, own_ring);
-      adapters::replace_all(argument, adapters::kNodePlaceholder, plan_.node);
+      if (experiment::fill_in(argument, experiment_, motion))
+        std::ofstream{motion} << experiment::motion_text(experiment_.motion);
+      experiment::replace_all(argument, experiment::kRingPlaceholder, own_ring);
+      experiment::replace_all(argument, experiment::kNodePlaceholder, plan_.node);
       start.command.push_back(std::move(argument));
     }
     name_ = std::filesystem::path{start.command[0]}.filename().string();
@@ -164,7 +166,7 @@ class ForeignNode {
     start.name = name_;
     start.folder = program.folder;
     start.log =
-        std::filesystem::absolute(adapters::file_beside(place.recording, plan_.node, ".log"));
+        std::filesystem::absolute(experiment::file_beside(place.recording, plan_.node, ".log"));
     for (const char* api : {"RTHS_", "RTHS_SCRAMNET_", "RTHS_SCGT_"}) {
       start.environment.emplace_back(std::string{api} + "RING",
                                      api == std::string{"RTHS_"} ? own_ring : place.ring);
@@ -178,7 +180,7 @@ class ForeignNode {
     hint_ = fmt::format(
         ": start it with RTHS_SCRAMNET_RING={0} RTHS_SCRAMNET_NODE={1} (GT cards: RTHS_SCGT_RING, "
         "RTHS_SCGT_NODE), or join ring '{2}' as node '{1}'",
-        place.ring, plan_.node, experiment_.ring_of(place.ring, plan_.node));
+        place.ring, plan_.node, ring_of(experiment_, place.ring, plan_.node));
     write_message(fmt::format("{}: waits {:g} s for its program{}\n", plan_.node,
                               plan_.settings.program->connect_deadline, hint_));
   }

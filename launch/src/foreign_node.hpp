@@ -5,7 +5,7 @@
 #include <string>
 
 #include <rths/broker/ring.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 
 namespace rths::launch {
 

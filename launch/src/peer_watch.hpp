@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <rths/broker/ring.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 
 #include "silence.hpp"
 

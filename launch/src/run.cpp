@@ -36,9 +36,13 @@ recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock
   return meta;
 }
 
+std::string ring_of(const Experiment& experiment, const std::string& ring,
+                    const std::string& node) {
+  return experiment.cards ? replicated::image_name(ring, node) : ring;
+}
+
 std::vector<const NodePlan*> awaited_by(const Experiment& experiment, const NodePlan& plan) {
-  using adapters::MissedSteps;
-  using adapters::Role;
+  using experiment::Role;
   std::vector<const NodePlan*> others;
   const Role role = plan.settings.role;
   const auto is_awaited = [&](const NodePlan& other) {
@@ -59,7 +63,7 @@ std::vector<const NodePlan*> awaited_by(const Experiment& experiment, const Node
 
 void await_others(const Experiment& experiment, const NodePlan& plan,
                   adapters::AdapterRunner& runner, broker::Ring& ring) {
-  const bool is_machine = plan.settings.role == adapters::Role::Machine;
+  const bool is_machine = plan.settings.role == experiment::Role::Machine;
   const Duration phase = plan.schedule.phase;
   for (const NodePlan* other : awaited_by(experiment, plan)) {
     const Duration its = other->schedule.phase;

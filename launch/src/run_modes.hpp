@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/adapters/adapter_runner.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/launch/run.hpp>
 #include <rths/recording/foreign_stores.hpp>
@@ -16,6 +17,10 @@ namespace rths::launch {
 /// Content of /meta at the start of a recording.
 [[nodiscard]] recording::NamedTexts describe_run(const Experiment& experiment, ClockKind clock,
                                                  const std::string& version);
+
+/// The ring that a node joins: on a replicated ring, its own image.
+[[nodiscard]] std::string ring_of(const Experiment& experiment, const std::string& ring,
+                                  const std::string& node);
 
 /// Longest time from a stop request to the exit of a node: the longest stop, and a second for the
 /// recorder and for peers that stop later.

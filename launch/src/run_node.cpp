@@ -99,7 +99,7 @@ Reason watch(LoopThread& loop, const adapters::AdapterRunner& runner, LauncherLi
 
 // Reports the end of the node to the launcher and on standard error.
 int conclude(const LoopThread& loop, const adapters::AdapterRunner& runner, const std::string& node,
-             const Reason& reason, const adapters::Retreat& retreat) {
+             const Reason& reason, const experiment::Retreat& retreat) {
   const double time = to_seconds(loop.end().time);
   if (!loop.missing().empty()) LauncherLink::send_line("note " + loop.missing());
   const bool came_to_rest = reason.text == runner.message();  // it asked for the end itself
@@ -144,7 +144,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
   broker::on_lost_memory(broker::OnLostMemory::Continue);
   const bool records =
       std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [&](const NodePlan& plan) {
-        return plan.node == node && plan.settings.role == adapters::Role::Recorder;
+        return plan.node == node && plan.settings.role == experiment::Role::Recorder;
       });
   Assembly assembly = assemble(experiment, ClockKind::Wall,
                                {recording, describe_run(experiment, ClockKind::Wall, version),
@@ -153,7 +153,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
                                     [&](const Station& s) { return s.plan.node == node; });
   if (station == assembly.stations.end())
     throw Error{fmt::format("experiment '{}' has no node '{}'", experiment.name, node)};
-  broker::Ring ring = broker::Ring::attach(experiment.ring_of(ring_name, node));
+  broker::Ring ring = broker::Ring::attach(ring_of(experiment, ring_name, node));
   if (station->plan.settings.program)
     return run_foreign_node(experiment, station->plan, ring, {ring_name, recording});
   adapters::AdapterRunner runner{*station->adapter, ring, node, assembly.map.hash(),

@@ -244,8 +244,8 @@ RunResult run_on_one_host(const Experiment& experiment, Assembly& assembly,
                           const RunOptions& options) {
   std::optional<replicated::Images> images;
   std::optional<broker::Ring> shared;
-  if (experiment.cards)
-    images.emplace(replicated::Images::in_process(assembly.map, *experiment.cards));
+  if (assembly.cards)
+    images.emplace(replicated::Images::in_process(assembly.map, *assembly.cards));
   else
     shared.emplace(broker::Ring::in_process(assembly.map));
   VirtualRun run{

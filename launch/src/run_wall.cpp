@@ -301,7 +301,7 @@ RunResult run_with_other_hosts(const Experiment& experiment, const Assembly& ass
 // On a ring of cards: each node has an image of its own.
 RunResult run_on_images(const Experiment& experiment, const Assembly& assembly,
                         const RunOptions& options) {
-  auto images = replicated::Images::create(options.ring, assembly.map, *experiment.cards);
+  auto images = replicated::Images::create(options.ring, assembly.map, *assembly.cards);
   const RunCleaning cleaning{options};
   RunResult result;
   {
@@ -321,7 +321,7 @@ RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembl
                            const RunOptions& options) {
   const InterruptGuard guard;
   broker::on_lost_memory(broker::OnLostMemory::Continue);
-  if (experiment.cards) return run_on_images(experiment, assembly, options);
+  if (assembly.cards) return run_on_images(experiment, assembly, options);
   broker::Ring ring = broker::Ring::create(options.ring, assembly.map);
   const RunCleaning cleaning{options};
   OwnershipWatch ownership{ring};

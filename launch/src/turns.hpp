@@ -7,7 +7,7 @@
 
 #include <rths/broker/follow.hpp>
 #include <rths/broker/ring.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 
 #include "host_link.hpp"
 

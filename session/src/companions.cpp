@@ -22,8 +22,8 @@
 namespace rths::session {
 namespace {
 
-using adapters::kReferenceStep;
-using launch::NodePlan;
+using experiment::kReferenceStep;
+using experiment::NodePlan;
 constexpr const char* kDirections[] = {"long", "lat"};
 
 // Targets of an axis; zeros if it is not tested.
@@ -50,13 +50,13 @@ std::vector<double> recorded_steps(const Experiment& experiment, const recording
 }
 
 // One target per integration step, taken at the row where the index changes.
-adapters::DisplacementHistory recorded_targets(const Experiment& experiment,
-                                               const std::filesystem::path& file) {
+experiment::DisplacementHistory recorded_targets(const Experiment& experiment,
+                                                 const std::filesystem::path& file) {
   const recording::Reader reader{file};
   const auto steps = recorded_steps(experiment, reader);
   const auto along = targets_of(experiment, reader, kDirections[0]);
   const auto across = targets_of(experiment, reader, kDirections[1]);
-  adapters::DisplacementHistory history;
+  experiment::DisplacementHistory history;
   history.time_step = experiment.integration_step;
   history.displacement_long = {0};
   history.displacement_lat = {0};
@@ -226,7 +226,7 @@ Experiment with_ideal_machine(const Experiment& experiment, const NodePlan& solv
   ideal.hosts.clear();
   ideal.role_table = Config{};
   std::erase_if(ideal.nodes, [&](const NodePlan& plan) {
-    return plan.node != solver.node && plan.settings.role != adapters::Role::Recorder;
+    return plan.node != solver.node && plan.settings.role != experiment::Role::Recorder;
   });
   const memmap::Map map = memmap::load_map(experiment.map);
   const auto& answer = experiment.roles.axes.front().returned_force;

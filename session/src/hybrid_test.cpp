@@ -15,7 +15,7 @@
 namespace rths::session {
 namespace {
 
-using launch::NodePlan;
+using experiment::NodePlan;
 using recording::at_each_count;
 using recording::AxisRoles;
 using recording::NodeTicks;

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include <rths/adapters/test_setup.hpp>
 #include <rths/core/config.hpp>
-#include <rths/launch/improvement.hpp>
+#include <rths/experiment/improvement.hpp>
+#include <rths/experiment/test_setup.hpp>
 
 namespace rths::session {
 namespace {
@@ -25,12 +25,12 @@ Config without_actuator_terms(Config machine) {
 
 // The hydraulics of each axis as identified.
 void put_hydraulics(const budget::MismatchBudget& found, Config& machine) {
-  auto axes = adapters::read_machine(machine).axes;
+  auto axes = experiment::read_machine(machine).axes;
   for (const auto& axis : found.axes) {
     auto& one = axes[axis.name == "long" ? 0 : 1];
     one = budget::servo_axis(axis.transfer, one);
   }
-  for (const auto& [key, member] : adapters::machine_keys())
+  for (const auto& [key, member] : experiment::machine_keys())
     machine.put(key, std::vector<double>{axes[0].*member, axes[1].*member});
 }
 
@@ -50,7 +50,7 @@ Config with_identified_machine(Config nodes) {
 Config improved_experiment(const Config& experiment, const std::string& improvement,
                            const budget::MismatchBudget& found) {
   const Config model = experiment.table_or_empty("model");
-  const launch::Improvement terms = launch::read_improvement(model, improvement);
+  const experiment::Improvement terms = experiment::read_improvement(model, improvement);
   const Config changes = model.table_or_empty("specimen").overlaid(terms.specimen);
   Config machine = without_actuator_terms(experiment.table_or_empty("machine")
                                               .overlaid(model.table_or_empty("machine"))

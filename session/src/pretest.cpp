@@ -57,10 +57,10 @@ Experiment with_numerical_specimen(Experiment experiment) {
 }
 
 // The motion of the purely numerical result, at the targets of the test.
-adapters::DisplacementHistory motion_in(const recording::Reader& numerical,
-                                        const Experiment& experiment) {
+experiment::DisplacementHistory motion_in(const recording::Reader& numerical,
+                                          const Experiment& experiment) {
   const double interval = numerical.time()[1] - numerical.time()[0];
-  adapters::DisplacementHistory history;
+  experiment::DisplacementHistory history;
   history.time_step = experiment.integration_step;
   const auto steps = std::lround(experiment.duration / experiment.integration_step);
   const auto read = [&](const char* axis) {
@@ -81,7 +81,8 @@ adapters::DisplacementHistory motion_in(const recording::Reader& numerical,
   return history;
 }
 
-Experiment with_imposed_motion(Experiment experiment, const adapters::DisplacementHistory& motion) {
+Experiment with_imposed_motion(Experiment experiment,
+                               const experiment::DisplacementHistory& motion) {
   experiment.history = motion;
   for (auto& node : experiment.nodes) node.switch_compensation_off();
   return experiment;
@@ -333,7 +334,7 @@ class Steps {
 
   Experiment experiment_;
   const PretestSettings& settings_;
-  adapters::DisplacementHistory motion_;  ///< of the numerical result
+  experiment::DisplacementHistory motion_;  ///< of the numerical result
   Pretest result_;
 };
 

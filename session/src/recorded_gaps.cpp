@@ -12,7 +12,7 @@
 namespace rths::session {
 namespace {
 
-using launch::NodePlan;
+using experiment::NodePlan;
 using recording::NodeTicks;
 using recording::Reader;
 

@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::session {
 
-using launch::Experiment;
+using experiment::Experiment;
 
 /// Requires that the rows of a recording follow the closed loop. From the first target on, a gap is
 /// at most as long as five integration steps: between the ends of longer ones, targets and forces

@@ -23,7 +23,7 @@ Schedule schedule_of(const Experiment& experiment, const std::string& node) {
   for (const auto& plan : experiment.nodes)
     if (plan.node == node)
       return {to_seconds(plan.schedule.period), to_seconds(plan.schedule.phase),
-              plan.schedule.missed == adapters::MissedSteps::MakeDue};
+              plan.schedule.missed == MissedSteps::MakeDue};
   return {};
 }
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <rths/budget/closed_loop.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::session {
 
-using launch::Experiment;
+using experiment::Experiment;
 
 /// Reads from a recording in which order controller and machine made their ticks, when the targets
 /// arrived, and how long the solver computes while the host is not late.

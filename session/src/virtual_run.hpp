@@ -10,7 +10,7 @@
 namespace rths::session {
 
 /// Runs an experiment in virtual time, without a progress.
-inline launch::RunOutcome run_virtually(const launch::Experiment& experiment,
+inline launch::RunOutcome run_virtually(const experiment::Experiment& experiment,
                                         const std::filesystem::path& recording,
                                         const std::string& version) {
   launch::RunOptions options;
@@ -21,7 +21,7 @@ inline launch::RunOutcome run_virtually(const launch::Experiment& experiment,
 }
 
 /// Gives repetition k of an experiment noise and computing times of its own; 0: the experiment's.
-inline void renew_noise(launch::Experiment& experiment, std::uint64_t k) {
+inline void renew_noise(experiment::Experiment& experiment, std::uint64_t k) {
   constexpr std::uint64_t kSeedOffset = 1'000'003;  // beyond the small seeds of experiments
   experiment.machine.seed += k * kSeedOffset;
   experiment.computing_time.seed += k * kSeedOffset;

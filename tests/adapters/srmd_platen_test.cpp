@@ -3,7 +3,7 @@
 
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/adapters/srmd_platen.hpp>
-#include <rths/adapters/test_setup.hpp>
+#include <rths/experiment/test_setup.hpp>
 
 #include "sim/machine/srmd_file.hpp"
 #include "support/bench.hpp"

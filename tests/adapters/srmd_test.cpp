@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/adapters/srmd.hpp>
-#include <rths/adapters/test_setup.hpp>
+#include <rths/experiment/test_setup.hpp>
 
 #include "support/bench.hpp"
 #include "support/files.hpp"

@@ -59,7 +59,7 @@ class ClosedLoop : public ::testing::Test {
                    session::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
   }
   // Specimen and machine as the laboratory has them; the transfer system is identified.
-  [[nodiscard]] launch::Experiment as_in_the_laboratory() const {
+  [[nodiscard]] experiment::Experiment as_in_the_laboratory() const {
     auto improved = experiment;
     improved.model = experiment.specimen;
     improved.assumed_machine = experiment.machine;
@@ -72,7 +72,7 @@ class ClosedLoop : public ::testing::Test {
   std::filesystem::path source = source_tree() / "examples/srmd_lprb_2d.toml";
   const TemporaryFolder temporary;
   const std::filesystem::path& folder = temporary.path();
-  launch::Experiment experiment;
+  experiment::Experiment experiment;
   budget::HybridTest hybrid;
   budget::Response measured;
   std::array<std::vector<double>, 2> force;

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include <rths/adapters/adapter_runner.hpp>
-#include <rths/adapters/factory.hpp>
 #include <rths/core/config.hpp>
+#include <rths/experiment/node.hpp>
 #include <rths/fmi/fmu_node.hpp>
 #include <rths/memmap/map.hpp>
 
@@ -99,7 +99,7 @@ unit = "1"
                                                         double period = 0.001) const {
     const Config table = Config::parse(
         "file = \"" + file.string() + "\"\nrole = \"machine\"\n" + keys + tables, "node.toml");
-    const adapters::TestSetup setup;
+    const experiment::TestSetup setup;
     const auto settings = fmi::read_fmu("mac", table, setup);
     table.reject_unknown_keys();
     auto adapter =

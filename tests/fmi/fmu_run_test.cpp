@@ -26,7 +26,7 @@
 namespace rths::fmi {
 namespace {
 
-using launch::Overrides;
+using experiment::Overrides;
 
 constexpr double kControllerPhase = 0.3e-3;  // [s]
 

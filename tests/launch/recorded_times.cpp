@@ -6,7 +6,7 @@
 #include <string>
 
 #include <rths/app/builtin_adapters.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 
 #include "support/files.hpp"
@@ -23,8 +23,7 @@ struct Steps {
   std::map<long, double> duration;  ///< [s]
 };
 
-Steps steps_of(const recording::Reader& run, const std::string& node,
-               const adapters::Schedule& schedule) {
+Steps steps_of(const recording::Reader& run, const std::string& node, const Schedule& schedule) {
   const std::string prefix = "monitor." + node + ".host.";
   const auto count = run.signal(prefix + "step");
   const auto late = run.signal(prefix + "late");
@@ -41,8 +40,8 @@ Steps steps_of(const recording::Reader& run, const std::string& node,
   return steps;
 }
 
-void compare(const recording::Reader& run, const std::string& node,
-             const adapters::Schedule& schedule, RecordedTimes& times) {
+void compare(const recording::Reader& run, const std::string& node, const Schedule& schedule,
+             RecordedTimes& times) {
   const Steps steps = steps_of(run, node, schedule);
   const auto count = run.signal("monitor." + node + ".host.step");
   for (std::size_t row = 0; row < count.size(); ++row) {

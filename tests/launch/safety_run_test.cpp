@@ -35,12 +35,12 @@ namespace rths::launch {
 namespace {
 
 using adapters::Adapter;
-using adapters::NodeContext;
-using adapters::NodeSettings;
 using adapters::Port;
 using adapters::StepData;
-using adapters::TestSetup;
 using controller::SafetyCause;
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::TestSetup;
 
 /// Changes words of an adapter from a time on.
 struct Fault {
@@ -146,8 +146,8 @@ Recorded run_with(Where where, Fault wanted, Overrides changes = {},
                   const std::function<Duration(const std::string&, Duration)>& lateness = {}) {
   fault_where = where;
   fault = std::move(wanted);
-  std::vector<adapters::Factory> factories(app::builtin_adapters().begin(),
-                                           app::builtin_adapters().end());
+  std::vector<experiment::AdapterKind> factories(app::builtin_adapters().begin(),
+                                                 app::builtin_adapters().end());
   for (auto& factory : factories) {
     const std::string name = factory.name;
     if (name == "srmd") factory.read = read_machine;

@@ -18,7 +18,7 @@
 
 namespace rths::test {
 
-using launch::Overrides;
+using experiment::Overrides;
 
 inline std::string example() { return (source_tree() / "examples/srmd_lprb_2d.toml").string(); }
 inline std::string quoted(const std::string& text) { return "\"" + text + "\""; }
@@ -46,14 +46,14 @@ inline std::filesystem::path example_in(const TemporaryFolder& folder) {
   return folder.write("plugin.toml", text);
 }
 
-inline launch::Experiment experiment_with(const std::filesystem::path& file,
-                                          const Overrides& changes) {
+inline experiment::Experiment experiment_with(const std::filesystem::path& file,
+                                              const Overrides& changes) {
   Overrides all = kShort;
   all.insert(all.end(), changes.begin(), changes.end());
   return app::load_experiment(file, all);
 }
 
-inline recording::Reader run_virtually(const launch::Experiment& experiment,
+inline recording::Reader run_virtually(const experiment::Experiment& experiment,
                                        const std::filesystem::path& file) {
   launch::RunOptions options;
   options.clock = launch::ClockKind::Virtual;
@@ -99,7 +99,7 @@ inline double microseconds_per_step(adapters::Adapter& adapter) {
 }
 
 /// Cost of a tick of the controller of an experiment [us].
-inline double cost_of_controller(const launch::Experiment& experiment) {
+inline double cost_of_controller(const experiment::Experiment& experiment) {
   const auto map = memmap::load_map(source_tree() / "memmap/maps/srmd.ringmap.toml");
   for (const auto& plan : experiment.nodes)
     if (plan.node == "xpc")

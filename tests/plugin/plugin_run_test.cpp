@@ -14,7 +14,7 @@
 namespace rths::plugin {
 namespace {
 
-using launch::Overrides;
+using experiment::Overrides;
 
 TEST(PluginRun, OfTheNativeControllerAndMachineEqualsTheNativeRun) {
   const test::TemporaryFolder folder;

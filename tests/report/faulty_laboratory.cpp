@@ -82,15 +82,16 @@ class FaultyMachine final : public Adapter {
 
 }  // namespace
 
-launch::Experiment short_experiment(const std::string& example, const launch::Overrides& changes) {
-  launch::Overrides all{
+experiment::Experiment short_experiment(const std::string& example,
+                                        const experiment::Overrides& changes) {
+  experiment::Overrides all{
       {"duration_s", "12"}, {"rest_s", "0.5"}, {"node.srmd.safety.enabled", "false"}};
   all.insert(all.end(), changes.begin(), changes.end());
   return app::load_experiment(test::source_tree() / "examples" / (example + ".toml"), all);
 }
 
-void run_with(const launch::Experiment& experiment, const std::vector<Fault>& faults, double from,
-              const std::filesystem::path& recording) {
+void run_with(const experiment::Experiment& experiment, const std::vector<Fault>& faults,
+              double from, const std::filesystem::path& recording) {
   auto assembly = launch::assemble(
       experiment, launch::ClockKind::Virtual,
       {recording, launch::describe_run(experiment, launch::ClockKind::Virtual, "test"),
@@ -102,7 +103,7 @@ void run_with(const launch::Experiment& experiment, const std::vector<Fault>& fa
   if (run.trouble.empty()) recording::add_meta(recording, {{"ending", "completed"}});
 }
 
-std::vector<Broken> judge_with(const launch::Experiment& experiment,
+std::vector<Broken> judge_with(const experiment::Experiment& experiment,
                                const std::vector<Fault>& faults, double from) {
   const test::TemporaryFolder folder;
   run_with(experiment, faults, from, folder.path() / "run.h5");

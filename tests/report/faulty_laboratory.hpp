@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/report/judgement.hpp>
 
 namespace rths::report {
@@ -24,16 +24,16 @@ struct Fault {
 
 /// An example of the laboratory, shortened, and without the safety layer, which would end a faulty
 /// test.
-[[nodiscard]] launch::Experiment short_experiment(const std::string& example,
-                                                  const launch::Overrides& changes = {});
+[[nodiscard]] experiment::Experiment short_experiment(const std::string& example,
+                                                      const experiment::Overrides& changes = {});
 
 /// Runs an experiment in virtual time with faults in its machine.
 /// @param from  start of the faults, since the run began [s]
-void run_with(const launch::Experiment& experiment, const std::vector<Fault>& faults, double from,
-              const std::filesystem::path& recording);
+void run_with(const experiment::Experiment& experiment, const std::vector<Fault>& faults,
+              double from, const std::filesystem::path& recording);
 
 /// As `run_with`. @returns the broken conditions
-[[nodiscard]] std::vector<Broken> judge_with(const launch::Experiment& experiment,
+[[nodiscard]] std::vector<Broken> judge_with(const experiment::Experiment& experiment,
                                              const std::vector<Fault>& faults, double from);
 
 /// A row of a recording; its values by name of the signal.

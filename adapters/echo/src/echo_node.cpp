@@ -6,6 +6,10 @@
 
 namespace rths::adapters {
 
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::TestSetup;
+
 NodeSettings read_echo(const std::string& /*node*/, const Config& table,
                        const TestSetup& /*setup*/) {
   constexpr double kPeriod = 1e-3;  // [s]

@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/experiment/user_program.hpp>
 
 namespace rths::adapters {
+
+using namespace experiment;
 
 NodeSettings read_external(const std::string& node, const Config& table,
                            const TestSetup& /*setup*/) {

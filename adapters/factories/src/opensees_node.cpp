@@ -6,14 +6,18 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/computing_times.hpp>
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/experiment/computing_times.hpp>
+#include <rths/experiment/user_program.hpp>
 
 namespace rths::adapters {
+
+using namespace experiment;
+
 namespace {
 
 constexpr double kPeriod = 1e-3;            // [s]

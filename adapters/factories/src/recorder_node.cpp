@@ -4,6 +4,12 @@
 #include <rths/adapters/recorder.hpp>
 
 namespace rths::adapters {
+
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::Role;
+using experiment::TestSetup;
+
 namespace {
 
 constexpr double kRowPeriod = 1e-3;  // [s]
@@ -29,7 +35,7 @@ NodeSettings read_recorder(const std::string& /*node*/, const Config& /*table*/,
   NodeSettings settings;
   settings.role = Role::Recorder;
   settings.schedule = schedule_of(kRowPeriod, 0.8 * kRowPeriod);
-  settings.monitors = recorder_monitors();
+  settings.monitors = recorder_monitors;
   settings.make = make;
   return settings;
 }

@@ -17,11 +17,11 @@ namespace rths::fmi {
 namespace {
 
 using adapters::Adapter;
-using adapters::NodeContext;
-using adapters::NodeSettings;
 using adapters::Port;
 using adapters::StepData;
-using adapters::TestSetup;
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::TestSetup;
 
 constexpr double kShortestPeriod = 1e-5, kLongestPeriod = 1;  // of a node [s]
 

@@ -5,13 +5,16 @@
 #include <cmath>
 #include <optional>
 
-#include <rths/adapters/computing_times.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/error.hpp>
+#include <rths/experiment/computing_times.hpp>
 
 #include "solution.hpp"
 
 namespace rths::adapters {
+
+using experiment::ComputingTimes;
+
 namespace {
 
 constexpr double kEndOfRun = 1e-9;  // [s], rounding of step counts times step length

@@ -4,6 +4,12 @@
 #include <rths/adapters/numerical.hpp>
 
 namespace rths::adapters {
+
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::Role;
+using experiment::TestSetup;
+
 namespace {
 
 constexpr double kPeriod = 0.25e-3, kPhase = 0.1e-3;  // [s]

@@ -60,7 +60,8 @@ void AnalysedTargets::monitor(std::span<double> values) const noexcept {
   }
 }
 
-PlayedTargets::PlayedTargets(const DisplacementHistory& history, double integration_step)
+PlayedTargets::PlayedTargets(const experiment::DisplacementHistory& history,
+                             double integration_step)
     : history_{history}, integration_step_{integration_step} {
   if (!(history_.time_step > 0) || history_.displacement_long.size() < 2 ||
       history_.displacement_long.size() != history_.displacement_lat.size())

@@ -46,7 +46,7 @@ class AnalysedTargets {
 /// Targets from a displacement history, independent of the specimen's force.
 class PlayedTargets {
  public:
-  PlayedTargets(const DisplacementHistory& history, double integration_step);
+  PlayedTargets(const experiment::DisplacementHistory& history, double integration_step);
   void begin(Exchange& exchange) RTHS_REALTIME;
   void finish(const Exchange&) RTHS_REALTIME {}
   [[nodiscard]] double time() const RTHS_REALTIME {
@@ -57,7 +57,7 @@ class PlayedTargets {
 
  private:
   [[nodiscard]] Eigen::Vector2d at(double time) const noexcept;
-  DisplacementHistory history_;
+  experiment::DisplacementHistory history_;
   double integration_step_;
   std::size_t step_ = 0;
 };

@@ -15,10 +15,10 @@
 namespace rths::plugin {
 namespace {
 
-using adapters::NodeContext;
-using adapters::NodeSettings;
-using adapters::Role;
-using adapters::TestSetup;
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::Role;
+using experiment::TestSetup;
 
 /// A role of a plugin, with the schedule of the built-in adapters of this role [s].
 struct PluginRole {
@@ -49,15 +49,14 @@ NodeSettings read_role(const Config& table) {
   const PluginRole& role = role_in(table);
   NodeSettings settings;
   settings.role = role.role;
-  settings.schedule = adapters::schedule_of(role.period, role.phase);
-  if (role.role == Role::Controller) settings.schedule.missed = adapters::MissedSteps::MakeDue;
+  settings.schedule = schedule_of(role.period, role.phase);
+  if (role.role == Role::Controller) settings.schedule.missed = MissedSteps::MakeDue;
   if (role.role == Role::Machine)
-    settings.schedule.missed =
-        adapters::read_late_inputs(table, "newest", adapters::MissedSteps::MakeDue);
+    settings.schedule.missed = experiment::read_late_inputs(table, "newest", MissedSteps::MakeDue);
   settings.priority = role.priority;
   settings.keeps_times = role.role != Role::Solver;
   settings.may_not_end = role.role == Role::Solver;
-  if (role.role == Role::Machine) settings.machine_table = adapters::MachineTable::Model;
+  if (role.role == Role::Machine) settings.machine_table = experiment::MachineTable::Model;
   return settings;
 }
 
@@ -92,7 +91,8 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
 
 NodeSettings guarded(NodeSettings node, const Config& table, const TestSetup& setup) {
   if (node.role != Role::Machine) return node;
-  if (table.has("safety")) return with_safety(std::move(node), table.table("safety"), setup);
+  if (table.has("safety"))
+    return adapters::with_safety(std::move(node), table.table("safety"), setup);
   node.lacks_safety = true;
   return node;
 }

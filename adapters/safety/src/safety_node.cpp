@@ -9,8 +9,14 @@
 
 #include <rths/adapters/safe_machine.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/memmap/codec.hpp>
 
 namespace rths::adapters {
+
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::TestSetup;
+
 namespace {
 
 using controller::SafetyLimits;
@@ -75,7 +81,7 @@ std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Con
 }
 
 SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
-                                  const std::vector<MachineAxis>& words) {
+                                  const std::vector<experiment::MachineAxis>& words) {
   const auto file = find_file(changes, "file", "limits", "srmd");
   const Config limits_of_file = Config::load(file);
   const Config table = limits_of_file.overlaid(changes);
@@ -127,7 +133,7 @@ void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
 }  // namespace
 
 NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup,
-                         const std::vector<MachineAxis>& words) {
+                         const std::vector<experiment::MachineAxis>& words) {
   machine.lacks_safety = !table.flag("enabled", true);
   const SafeMachineSettings read = read_settings(table.without("enabled"), setup, words);
   if (machine.lacks_safety) return machine;

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/factory.hpp>
 #include <rths/core/error.hpp>
+#include <rths/experiment/node.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::adapters {

@@ -22,7 +22,7 @@ class SimulinkLike final : public Adapter {
 
  private:
   Diagram diagram_;
-  Retreat retreat_;
+  experiment::Retreat retreat_;
   std::vector<double> held_;  ///< last finite values of the ramped outputs before the stop
   double stopped_at_ = -1;
 };

@@ -6,6 +6,12 @@
 #include <rths/core/installed_files.hpp>
 
 namespace rths::adapters {
+
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::Role;
+using experiment::TestSetup;
+
 namespace {
 
 constexpr double kPhase = 0.3e-3;  // after the machine has sampled [s]

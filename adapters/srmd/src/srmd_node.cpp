@@ -12,6 +12,13 @@
 #include <rths/core/installed_files.hpp>
 
 namespace rths::adapters {
+
+using experiment::MachineTable;
+using experiment::NodeContext;
+using experiment::NodeSettings;
+using experiment::read_late_inputs;
+using experiment::TestSetup;
+
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
@@ -52,8 +59,8 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
 
 // The words of the axes that the safety layer guards: the tested ones, and the vertical one of a
 // machine that moves it.
-std::vector<MachineAxis> words_of(const TestSetup& setup, bool drives_vertical) {
-  std::vector<MachineAxis> words;
+std::vector<experiment::MachineAxis> words_of(const TestSetup& setup, bool drives_vertical) {
+  std::vector<experiment::MachineAxis> words;
   for (const std::string axis : {"long", "lat", "vert"}) {
     const bool is_tested =
         std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();

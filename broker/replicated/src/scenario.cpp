@@ -8,6 +8,7 @@
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/replicated/images.hpp>
 
 #include "node.hpp"
 
@@ -186,6 +187,25 @@ Action read_fault(const Config& table, const std::vector<std::string>& names) {
 
 std::uint32_t read_protocol(const Config& table) {
   return choice(table, "protocol", kProtocols, "burst");
+}
+
+CardOptions read_cards(const Config& cards, const std::vector<Config>& faults,
+                       const std::vector<std::string>& names) {
+  CardOptions options;
+  options.csr2 = read_protocol(cards);
+  options.fibre_m = cards.number_in("fibre_m", 0, 1e6, options.fibre_m);
+  options.strict_ids = cards.flag("strict_ids", false);
+  options.bit_error_rate = cards.number_in("bit_error_rate", 0, 1, 0.0);
+  cards.reject_unknown_keys();
+  for (const Config& fault : faults) {
+    Action action = read_fault(fault, names);
+    action.at = from_ns(fault.number_in("at_s", 0, 1e5) * 1e9);
+    options.faults.push_back({fault.has("node") ? fault.text("node") : "", action});
+    fault.reject_unknown_keys();
+  }
+  std::stable_sort(options.faults.begin(), options.faults.end(),
+                   [](const auto& a, const auto& b) { return a.action.at < b.action.at; });
+  return options;
 }
 
 Scenario load_scenario(const std::filesystem::path& file) {

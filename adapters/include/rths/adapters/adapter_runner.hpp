@@ -12,30 +12,10 @@
 #include <rths/broker/follow.hpp>
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
+#include <rths/core/schedule.hpp>
 #include <rths/memmap/codec.hpp>
 
 namespace rths::adapters {
-
-/// What a node does about the steps whose time passed while it, or the host, did not run.
-enum class MissedSteps {
-  Make,     ///< makes them at once, with the newest inputs
-  MakeDue,  ///< makes them at once, each with the inputs of its own time
-  Skip,     ///< goes on with the step that is due next
-  Wait,     ///< the same, in turns with the nodes that it awaits: their time stands still together
-};
-
-/// Scheduled times of an adapter's steps: epoch + phase + k·period.
-struct Schedule {
-  Duration period{1'000'000};
-  Duration phase{0};
-  MissedSteps missed = MissedSteps::Make;
-
-  /// Steps that a node leaves out which is so late; then the nearest one is due.   @realtime
-  [[nodiscard]] std::uint64_t skipped_at(Duration late) const RTHS_REALTIME {
-    const bool skips = missed == MissedSteps::Skip || missed == MissedSteps::Wait;
-    return skips && late >= period ? static_cast<std::uint64_t>((late + period / 2) / period) : 0;
-  }
-};
 
 /// Delay of a step's start and duration of the previous step; both zero in virtual time.
 struct Timing {

@@ -4,19 +4,19 @@
 #include <filesystem>
 #include <span>
 
-#include <rths/adapters/factory.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/experiment/node.hpp>
+#include <rths/launch/run.hpp>
 
 namespace rths::app {
 
 /// All adapters that an experiment can name.
-[[nodiscard]] std::span<const adapters::Factory> builtin_adapters();
+[[nodiscard]] std::span<const experiment::AdapterKind> builtin_adapters();
 
 /// Loads an experiment whose nodes have these adapters.
 /// @throws Error file:line:column of the first fault   @setup
-[[nodiscard]] inline launch::Experiment load_experiment(const std::filesystem::path& file,
-                                                        const launch::Overrides& overrides = {}) {
-  return launch::load_experiment(builtin_adapters(), file, overrides);
+[[nodiscard]] inline experiment::Experiment load_experiment(
+    const std::filesystem::path& file, const experiment::Overrides& overrides = {}) {
+  return experiment::load_experiment(builtin_adapters(), file, overrides);
 }
 
 }  // namespace rths::app

@@ -7,10 +7,16 @@
 #include <string>
 #include <vector>
 
-#include <rths/launch/experiment.hpp>
-#include <rths/sim/motion_file.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::launch {
+
+using experiment::Experiment;
+using experiment::NodePlan;
+using experiment::Overrides;
+using experiment::Tuning;
+
+enum class ClockKind { Wall, Virtual };
 
 /// Progress of a run.
 struct Progress {
@@ -59,25 +65,6 @@ int request_stop(const std::string& ring);
 /// Builds everything an experiment needs and discards it, to find errors that loading cannot find.
 /// @throws Error   @setup
 void check_assembly(const Experiment& experiment);
-
-/// Compares what the simulation expects of a test with what specimen and machine can do. A wrong
-/// unit exceeds it many times.
-/// @returns what is unusual, but possible   @throws Error with the likely unit   @setup
-[[nodiscard]] std::vector<std::string> check_plausible(const Experiment& experiment);
-
-/// A file of ground motion, and remarks on unusual sizes.
-struct CheckedMotion {
-  sim::MotionFile file;
-  std::vector<std::string> remarks;
-};
-
-/// Reads a file of ground motion once, as the `file` of [motion] in a test along one axis; each
-/// channel of a station's file.
-/// @throws Error as such a test   @setup
-[[nodiscard]] CheckedMotion check_motion_file(const std::filesystem::path& file);
-
-/// Time step and peaks of the tested ground motion, a line.   @setup
-[[nodiscard]] std::string describe_motion(const Experiment& experiment);
 
 /// Text of /meta: how a companion run differs from its test. Absent: the run is no companion.
 inline constexpr const char* kCompanion = "companion";

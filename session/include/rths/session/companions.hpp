@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <string>
 
-#include <rths/launch/experiment.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::session {
 
-using launch::Experiment;
+using experiment::Experiment;
 
 /// Repeats the displacement history of a run in virtual time without compensation, to measure the
 /// delay of the machine. Returns false if the experiment has no [uncompensated], or if a node

@@ -3,12 +3,12 @@
 
 #include <rths/budget/budget.hpp>
 #include <rths/core/config.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::session {
 
-using launch::Experiment;
+using experiment::Experiment;
 
 /// The correction of the measured force by the controller's block diagram.
 /// @throws Error if the controller runs no block diagram   @setup

@@ -9,12 +9,12 @@
 #include <rths/commissioning/loop_stability.hpp>
 #include <rths/commissioning/signal_check.hpp>
 #include <rths/controller/delay.hpp>
-#include <rths/launch/experiment.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/report/judgement.hpp>
 
 namespace rths::session {
 
-using launch::Experiment;
+using experiment::Experiment;
 
 /// How a pretest decides.
 struct PretestSettings {

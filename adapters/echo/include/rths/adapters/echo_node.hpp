@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
 /// Keys: stiffness_N_per_m, handshake, prompt. @throws Error with the place of the first wrong
 /// value   @setup
-[[nodiscard]] NodeSettings read_echo(const std::string& node, const Config& table,
-                                     const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_echo(const std::string& node, const Config& table,
+                                                 const experiment::TestSetup& setup);
 
 }  // namespace rths::adapters

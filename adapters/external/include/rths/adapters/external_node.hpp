@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
 /// Reads the table of a node that is a program of the user's own. The settings build no adapter.
 /// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] NodeSettings read_external(const std::string& node, const Config& table,
-                                         const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_external(const std::string& node, const Config& table,
+                                                     const experiment::TestSetup& setup);
 
 }  // namespace rths::adapters

@@ -3,15 +3,16 @@
 
 #include <string>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
 /// Keys: see docs/opensees.md. @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] NodeSettings read_opensees_node(const std::string& node, const Config& table,
-                                              const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_opensees_node(const std::string& node,
+                                                          const Config& table,
+                                                          const experiment::TestSetup& setup);
 /// Keys: see docs/opensees.md. @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] NodeSettings read_opensees_specimen_node(const std::string& node, const Config& table,
-                                                       const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_opensees_specimen_node(
+    const std::string& node, const Config& table, const experiment::TestSetup& setup);
 
 }  // namespace rths::adapters

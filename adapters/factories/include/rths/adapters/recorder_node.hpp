@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
 /// Has no keys of its own. @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] NodeSettings read_recorder(const std::string& node, const Config& table,
-                                         const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_recorder(const std::string& node, const Config& table,
+                                                     const experiment::TestSetup& setup);
 
 }  // namespace rths::adapters

@@ -8,7 +8,7 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_handshake.hpp>
-#include <rths/adapters/test_setup.hpp>
+#include <rths/experiment/test_setup.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::adapters {
@@ -26,8 +26,8 @@ struct NumericalSettings {
   double wait_deadline = 1;              ///< for each flag of the handshake [s]
   Handshake handshake = Handshake::AtTargetFirst;
   sim::VerticalFeedback vertical_feedback = sim::VerticalFeedback::Model;
-  std::optional<ComputingTime> computing_time;  ///< empty: the actual time
-  std::optional<DisplacementHistory> history;   ///< instead of the analysis
+  std::optional<experiment::ComputingTime> computing_time;  ///< empty: the actual time
+  std::optional<experiment::DisplacementHistory> history;   ///< instead of the analysis
 };
 
 /// The project's own solver as a node with OpenFresco's words and handshake. It writes targets and

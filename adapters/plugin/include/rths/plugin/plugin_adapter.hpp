@@ -8,7 +8,7 @@
 #include <rths_adapter.h>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/adapters/retreat.hpp>
+#include <rths/experiment/retreat.hpp>
 
 namespace rths::plugin {
 
@@ -17,7 +17,7 @@ struct PluginSettings {
   const rths_adapter* built_in = nullptr;  ///< of this program; `library` is the file that it reads
   std::string config;                      ///< TOML text, for the plugin
   std::string title;                       ///< for messages; empty: "plugin 'name' (file)"
-  adapters::Retreat retreat;
+  experiment::Retreat retreat;
   double step_deadline = 0.3;  ///< of a step, wall time [s]
   double longest_unset = 2;    ///< until a step sets an output, from the first step on [s]
   bool may_allocate = false;   ///< a step that uses the heap is not a fault

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
 
 namespace rths::plugin {
@@ -12,8 +12,8 @@ namespace rths::plugin {
 /// An adapter in a shared library. Keys: library, role, config, own_process, deadline_s, allocates,
 /// safety.
 /// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] adapters::NodeSettings read_plugin(const std::string& node, const Config& table,
-                                                 const adapters::TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_plugin(const std::string& node, const Config& table,
+                                                   const experiment::TestSetup& setup);
 
 /// Name, size and SHA-256 of a file, for the recording. @throws Error if it cannot be read   @setup
 [[nodiscard]] Config identity_of(const std::filesystem::path& file);
@@ -28,17 +28,16 @@ struct Hosting {
 
 /// Reads `role`: the place of a node in the order of steps, its schedule and priority.
 /// @throws Error with the place of a wrong value   @setup
-[[nodiscard]] adapters::NodeSettings read_role(const Config& table);
+[[nodiscard]] experiment::NodeSettings read_role(const Config& table);
 /// Reads `own_process`, `deadline_s` and `allocates`. @throws Error as read_role   @setup
 [[nodiscard]] Hosting read_hosting(const Config& table);
 /// Puts the safety layer in front of a machine whose table has `safety`.
 /// @throws Error with the place of a wrong value   @setup
-[[nodiscard]] adapters::NodeSettings guarded(adapters::NodeSettings node, const Config& table,
-                                             const adapters::TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings guarded(experiment::NodeSettings node, const Config& table,
+                                               const experiment::TestSetup& setup);
 /// Makes a plugin in this process, or in one of its own.   @setup
-[[nodiscard]] std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin,
-                                                             const Hosting& hosting,
-                                                             const adapters::TestSetup& setup,
-                                                             const adapters::NodeContext& context);
+[[nodiscard]] std::unique_ptr<adapters::Adapter> make_hosted(
+    PluginSettings plugin, const Hosting& hosting, const experiment::TestSetup& setup,
+    const experiment::NodeContext& context);
 
 }  // namespace rths::plugin

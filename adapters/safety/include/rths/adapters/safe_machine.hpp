@@ -6,16 +6,16 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/adapters/test_setup.hpp>
 #include <rths/controller/safety.hpp>
+#include <rths/experiment/test_setup.hpp>
 
 namespace rths::adapters {
 
 struct SafeMachineSettings {
   controller::SafetySettings safety;
-  std::vector<MachineAxis> axes;   ///< as many as `safety.axes`
-  std::vector<std::string> nodes;  ///< that must step, and write no invalid value
-  double watchdog = 0.6;           ///< longest silence of a node while running [s]
+  std::vector<experiment::MachineAxis> axes;  ///< as many as `safety.axes`
+  std::vector<std::string> nodes;             ///< that must step, and write no invalid value
+  double watchdog = 0.6;                      ///< longest silence of a node while running [s]
 };
 
 /// A machine behind a safety layer. No reference reaches the machine except through the layer,

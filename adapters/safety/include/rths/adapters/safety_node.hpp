@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
@@ -13,8 +13,8 @@ namespace rths::adapters {
 ///                 role, TestSetup::machine_axes
 /// @param table    [node.<name>.safety]: the file of the limits, and changes of them
 /// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] NodeSettings with_safety(NodeSettings machine, const Config& table,
-                                       const TestSetup& setup,
-                                       const std::vector<MachineAxis>& words = {});
+[[nodiscard]] experiment::NodeSettings with_safety(
+    experiment::NodeSettings machine, const Config& table, const experiment::TestSetup& setup,
+    const std::vector<experiment::MachineAxis>& words = {});
 
 }  // namespace rths::adapters

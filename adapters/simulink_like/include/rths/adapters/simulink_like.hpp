@@ -8,8 +8,8 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/adapters/retreat.hpp>
 #include <rths/core/config.hpp>
+#include <rths/experiment/retreat.hpp>
 #include <rths/sim/bearing.hpp>
 
 namespace rths::adapters {
@@ -23,7 +23,7 @@ struct DiagramContext {
   std::vector<std::string> axes = {"long", "lat"};  ///< width of every per-axis port
   double integration_step = 0.01;                   ///< model time per target [s]
   double simulation_step = 0.01;                    ///< wall time per target [s]
-  Retreat retreat;  ///< of ring outputs that ramp when the run stops
+  experiment::Retreat retreat;  ///< of ring outputs that ramp when the run stops
   /// Unit of each signal of the laboratory's map; empty: no map is known, signals are not checked.
   std::map<std::string, std::string> signal_units = {};  // NOLINT: g++ needs the initializer
   /// The specimen as the test assumes it; null: none is known.

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/adapters/retreat.hpp>
+#include <rths/experiment/retreat.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::adapters {
@@ -18,7 +18,7 @@ struct SrmdSettings {
   double compression_time_constant = 0.05;          ///< of the vertical load's first-order lag [s]
   double lift_pressure = 8.963e6;                   ///< of the hydrostatic bearings [Pa]: 1,300 psi
   std::vector<std::string> axes = {"long", "lat"};  ///< moving axes; others stay at rest
-  Retreat retreat;
+  experiment::Retreat retreat;
 };
 
 /// @throws Error if a parameter is outside its physical range   @setup

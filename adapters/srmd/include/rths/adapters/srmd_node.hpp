@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <rths/adapters/factory.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
@@ -11,11 +11,12 @@ namespace rths::adapters {
 /// it has two axes. `model` names a machine file, with six degrees of freedom; `family_member` (0:
 /// nominal) and a table `changes` vary it.
 /// @throws Error with the place of the first wrong value   @setup
-[[nodiscard]] NodeSettings read_srmd(const std::string& node, const Config& table,
-                                     const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_srmd(const std::string& node, const Config& table,
+                                                 const experiment::TestSetup& setup);
 /// An ideal machine; has no keys of its own. @throws Error with the place of the first wrong value
 /// @setup
-[[nodiscard]] NodeSettings read_ideal_machine(const std::string& node, const Config& table,
-                                              const TestSetup& setup);
+[[nodiscard]] experiment::NodeSettings read_ideal_machine(const std::string& node,
+                                                          const Config& table,
+                                                          const experiment::TestSetup& setup);
 
 }  // namespace rths::adapters

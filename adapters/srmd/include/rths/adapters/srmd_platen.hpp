@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
-#include <rths/adapters/retreat.hpp>
+#include <rths/experiment/retreat.hpp>
 #include <rths/sim/machine/platen_machine.hpp>
 
 namespace rths::adapters {
@@ -17,7 +17,7 @@ struct SrmdPlatenSettings {
   sim::machine::PlatenMachine machine;
   double period = 0.001;                            ///< [s]
   std::vector<std::string> axes = {"long", "lat"};  ///< driven by their references
-  Retreat retreat;
+  experiment::Retreat retreat;
 };
 
 /// @throws Error if a parameter is outside its range, or for an unknown axis   @setup

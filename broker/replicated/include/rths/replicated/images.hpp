@@ -29,6 +29,12 @@ struct CardOptions {
   std::vector<Fault> faults;    ///< in the order of time
 };
 
+/// Reads the cards of a ring and their faults: the tables [cards] and [[fault]] of an experiment.
+/// @param names  of the nodes, for the faults
+/// @throws Error naming the place of a mistake   @setup
+[[nodiscard]] CardOptions read_cards(const Config& cards, const std::vector<Config>& faults,
+                                     const std::vector<std::string>& names);
+
 /// Name of a node's image, for `broker::Ring::attach`. The operator, and programs that only read,
 /// use the image with the name of the ring.
 [[nodiscard]] std::string image_name(const std::string& ring, const std::string& node);

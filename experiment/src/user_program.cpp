@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/experiment/user_program.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace rths::experiment {
+
+void check_placeholders(const Config& table, const std::string& key,
+                        const std::vector<std::string>& arguments,
+                        const std::vector<std::string_view>& known) {
+  for (const auto& argument : arguments) {
+    const std::string placeholder = argument.substr(0, argument.find('}') + 1);
+    if (argument.starts_with("{") &&
+        std::find(known.begin(), known.end(), placeholder) == known.end())
+      table.fail(key,
+                 fmt::format("unknown placeholder '{}', expected one of {}",
+                             placeholder.empty() ? argument : placeholder, fmt::join(known, ", ")));
+  }
+}
+
+void replace_all(std::string& text, std::string_view from, const std::string& to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
+}
+
+bool fill_in(std::string& argument, const TestSetup& setup, const std::filesystem::path& motion) {
+  const bool takes_motion = argument.find(kMotionPlaceholder) != std::string::npos;
+  replace_all(argument, kMotionPlaceholder, std::filesystem::absolute(motion).string());
+  replace_all(argument, kStepPlaceholder, fmt::format("{}", setup.integration_step));
+  replace_all(argument, kDurationPlaceholder, fmt::format("{}", setup.duration));
+  return takes_motion;
+}
+
+std::string motion_text(const sim::GroundMotion& motion) {
+  std::string text = "t_s,long_m_per_s2,lat_m_per_s2\n";
+  for (std::size_t i = 0; i < motion.long_acceleration.size(); ++i)
+    text += fmt::format("{:.9g},{:.9g},{:.9g}\n", static_cast<double>(i) * motion.time_step,
+                        motion.long_acceleration[i], motion.lat_acceleration[i]);
+  return text;
+}
+
+std::filesystem::path file_beside(const std::filesystem::path& recording, const std::string& node,
+                                  const std::string& ending) {
+  return recording.parent_path() / (recording.stem().string() + "." + node + ending);
+}
+
+// As execvp searches it.
+bool is_program(const std::string& name) {
+  if (name.find('/') != std::string::npos) return access(name.c_str(), X_OK) == 0;
+  const char* path = std::getenv("PATH");
+  std::istringstream folders{path == nullptr ? "/usr/bin:/bin" : path};
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access((std::filesystem::path{folder} / name).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+}  // namespace rths::experiment
