@@ -12,24 +12,24 @@ namespace rths::benchmarks {
 
 /// Parameters of a transfer system as `budget::identify_transfer` fits them.
 struct Fitted {
-  double budget::TransferSystem::*member;
+  double budget::AxisTransfer::*member;
   double start, low, high, scale;
 };
 inline constexpr Fitted kFitted[] = {
-    {&budget::TransferSystem::gain, 24, 1, 500, 20},
-    {&budget::TransferSystem::transport_delay, 0.006, 0, 0.1, 0.002},
-    {&budget::TransferSystem::valve_frequency, 15, 1, 100, 10},
-    {&budget::TransferSystem::valve_damping, 0.7, 0.1, 5, 1},
-    {&budget::TransferSystem::dead_band, 1e-4, 0, 0.02, 5e-4},
-    {&budget::TransferSystem::pressure_feedback, 1e-9, 0, 1e-6, 1e-8},
-    {&budget::TransferSystem::pressure_washout, 0.3, 0, 20, 1},
-    {&budget::TransferSystem::compliance, 1e-9, 1e-11, 1e-7, 1e-9},
-    {&budget::TransferSystem::supply_force, 8e6, 1e3, 1e9, 1e7},
-    {&budget::TransferSystem::leakage, 1e-11, 0, 1e-6, 1e-9}};
+    {&budget::AxisTransfer::gain, 24, 1, 500, 20},
+    {&budget::AxisTransfer::transport_delay, 0.006, 0, 0.1, 0.002},
+    {&budget::AxisTransfer::valve_frequency, 15, 1, 100, 10},
+    {&budget::AxisTransfer::valve_damping, 0.7, 0.1, 5, 1},
+    {&budget::AxisTransfer::dead_band, 1e-4, 0, 0.02, 5e-4},
+    {&budget::AxisTransfer::pressure_feedback, 1e-9, 0, 1e-6, 1e-8},
+    {&budget::AxisTransfer::pressure_washout, 0.3, 0, 20, 1},
+    {&budget::AxisTransfer::compliance, 1e-9, 1e-11, 1e-7, 1e-9},
+    {&budget::AxisTransfer::supply_force, 8e6, 1e3, 1e9, 1e7},
+    {&budget::AxisTransfer::leakage, 1e-11, 0, 1e-6, 1e-9}};
 
 inline bool residual_at(const budget::TransferRecord& record, const Eigen::VectorXd& parameters,
                         Eigen::VectorXd& residual) {
-  budget::TransferSystem system;
+  budget::AxisTransfer system;
   for (std::size_t i = 0; i < std::size(kFitted); ++i)
     system.*kFitted[i].member = parameters[static_cast<Eigen::Index>(i)];
   const auto x = budget::predicted(system, record);

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
+#include <rths/loop/numerical_response.hpp>
 #include <rths/sim/floor_spectrum.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -51,14 +52,14 @@ constexpr Case kCases[] = {{"10 ms", 0.01, 1},
 
 /// Targets, and floors, of a test whose machine follows the parabola through the last three
 /// targets.
-sim::ResponseHistory perfect_test(const sim::PlantMatrices& plant, const sim::GroundMotion& motion,
-                                  const sim::Bearing& bearing, const Case& tried, double& us) {
+loop::ResponseHistory perfect_test(const sim::PlantMatrices& plant, const sim::GroundMotion& motion,
+                                   const sim::Bearing& bearing, const Case& tried, double& us) {
   sim::PlantAnalysis analysis{plant,         motion, sim::initial_stiffness(bearing),
                               tried.step,    kAlpha, sim::VerticalFeedback::Model,
                               tried.substeps};
   sim::BearingRun specimen{bearing, kSpecimenStep};
   sim::BearingPath path;
-  sim::ResponseHistory response;
+  loop::ResponseHistory response;
   response.time_step = tried.step;
   response.floors.resize(plant.floors.size());
   const auto pieces = std::lround(tried.step / kSpecimenStep);
@@ -109,7 +110,7 @@ double difference(const std::vector<double>& found, const std::vector<double>& e
 }
 
 // Both spectra of accelerations at the same instants. The worst floor's, 6 to 11 Hz, rms.
-double floor_difference(const sim::ResponseHistory& found, const sim::ResponseHistory& fine,
+double floor_difference(const loop::ResponseHistory& found, const loop::ResponseHistory& fine,
                         std::size_t stride) {
   const auto frequencies = sim::spectrum_frequencies(6, 11, 21);
   double worst = 0;
@@ -137,7 +138,7 @@ void measure(const std::filesystem::path& repository) {
   for (const auto& record : kRecords) {
     const auto motion = sim::read_motion(repository / "examples/records" / record.file,
                                          record.columns, record.scale);
-    const auto fine = sim::numerical_response(plant, motion, bearing, kSpecimenStep, kDuration);
+    const auto fine = loop::numerical_response(plant, motion, bearing, kSpecimenStep, kDuration);
     for (const auto& tried : kCases) {
       double us = 0;
       const auto found = perfect_test(plant, motion, bearing, tried, us);

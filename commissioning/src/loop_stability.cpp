@@ -61,7 +61,7 @@ double bisected(double low, double high, Unstable is_unstable) {
 
 }  // namespace
 
-std::complex<double> transfer_at(const budget::TransferSystem& machine,
+std::complex<double> transfer_at(const budget::AxisTransfer& machine,
                                  std::complex<double> stiffness, double mass, double omega) {
   const Complex s = kI * omega;
   const double valve = 2 * std::numbers::pi * machine.valve_frequency;
@@ -94,7 +94,7 @@ std::complex<double> describing_function(const sim::Bearing& bearing, double amp
 }
 
 HybridLoop::HybridLoop(const sim::PlantMatrices& plant, int axis,
-                       const budget::TransferSystem& machine, double mass, const LinearLead& lead,
+                       const budget::AxisTransfer& machine, double mass, const LinearLead& lead,
                        double extra_delay, double rate)
     : omega_{frequencies()},
       flexibility_{flexibility_of(plant, axis, omega_)},

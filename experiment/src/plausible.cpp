@@ -14,7 +14,7 @@
 #include <rths/core/constants.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
-#include <rths/sim/plant_analysis.hpp>
+#include <rths/loop/numerical_response.hpp>
 
 #include "motion_check.hpp"
 
@@ -82,9 +82,9 @@ void check_specimen(const Experiment& experiment) {
 }
 
 void check_response(const Experiment& experiment, std::vector<std::string>& remarks) {
-  const auto response = sim::numerical_response(sim::assemble(experiment.plant),
-                                                experiment.tested_motion(), experiment.model, kStep,
-                                                std::min(experiment.duration, kLongestAnalysis));
+  const auto response = loop::numerical_response(
+      sim::assemble(experiment.plant), experiment.tested_motion(), experiment.model, kStep,
+      std::min(experiment.duration, kLongestAnalysis));
   const double weight = experiment.model.axial_load;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double motion =

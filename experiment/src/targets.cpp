@@ -12,8 +12,8 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/loop/numerical_response.hpp>
 #include <rths/sim/motion_file.hpp>
-#include <rths/sim/plant_analysis.hpp>
 
 namespace rths::experiment {
 namespace {
@@ -181,8 +181,8 @@ DisplacementHistory expected_motion(const TestSetup& setup) {
   if (!tested("long"))
     std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
   if (!tested("lat")) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
-  const auto response = sim::numerical_response(sim::assemble(setup.plant), motion, setup.model,
-                                                kReferenceStep, setup.duration);
+  const auto response = loop::numerical_response(sim::assemble(setup.plant), motion, setup.model,
+                                                 kReferenceStep, setup.duration);
   DisplacementHistory history = empty_history(setup);
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto& found = axis == 0 ? response.displacement_long : response.displacement_lat;

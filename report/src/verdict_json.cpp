@@ -153,7 +153,7 @@ Json evidence_json(const diagnosis::Evidence& evidence) {
           {"ci90", interval({evidence.low, evidence.high})}};
 }
 
-Json transfer_json(const budget::TransferSystem& transfer) {
+Json transfer_json(const budget::AxisTransfer& transfer) {
   Json parameters = Json::object();
   for (const auto& p : transfer.parameters)
     parameters[p.name] = {{"value", number(p.value)},

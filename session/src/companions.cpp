@@ -13,9 +13,9 @@
 
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/loop/numerical_response.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/recording/step_at.hpp>
-#include <rths/sim/plant_analysis.hpp>
 
 #include "virtual_run.hpp"
 
@@ -126,7 +126,8 @@ class ResultMap {
   std::vector<const std::vector<double>*> columns_;
 };
 
-void add_floors(ResultMap& result, const std::string& prefix, const sim::ResponseHistory& history) {
+void add_floors(ResultMap& result, const std::string& prefix,
+                const loop::ResponseHistory& history) {
   for (std::size_t i = 0; i < history.floors.size(); ++i) {
     const auto& floor = history.floors[i];
     const std::string name = fmt::format("{}floor.{}.accel.", prefix, i + 1);
@@ -149,10 +150,10 @@ void run_companion(const Experiment& experiment, const std::filesystem::path& re
 void write_analysis(const Experiment& experiment, const std::filesystem::path& recording) {
   const sim::PlantMatrices plant = sim::assemble(experiment.plant);
   const sim::GroundMotion motion = experiment.tested_motion();
-  const auto isolated =
-      sim::numerical_response(plant, motion, experiment.model, kReferenceStep, experiment.duration);
-  const auto fixed = sim::numerical_response(plant.fixed_base(), motion, experiment.model,
-                                             kReferenceStep, experiment.duration);
+  const auto isolated = loop::numerical_response(plant, motion, experiment.model, kReferenceStep,
+                                                 experiment.duration);
+  const auto fixed = loop::numerical_response(plant.fixed_base(), motion, experiment.model,
+                                              kReferenceStep, experiment.duration);
   std::vector<double> ground_long;
   std::vector<double> ground_lat;
   for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {

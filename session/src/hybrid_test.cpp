@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include <rths/adapters/block_settings.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -21,8 +22,6 @@ using recording::AxisRoles;
 using recording::NodeTicks;
 using recording::Reader;
 using recording::Roles;
-
-constexpr const char* kHorizontal[] = {"long", "lat"};
 
 // Words of a tested axis; null for another.
 const AxisRoles* axis_of(const Roles& roles, const std::string& axis) {
@@ -51,7 +50,7 @@ std::vector<double> ticks_or(const Reader& run, const NodeTicks& ticks, const st
 std::vector<std::string> tested_axes(const budget::HybridTest& test) {
   std::vector<std::string> axes;
   for (std::size_t i = 0; i < 2; ++i)
-    if (test.tested[i]) axes.emplace_back(kHorizontal[i]);
+    if (test.tested[i]) axes.emplace_back(name_of(kHorizontal[i]));
   return axes;
 }
 
@@ -78,20 +77,20 @@ void read_block(const Config& block, budget::HybridTest& test) {
   const std::string type = block.text("type", "");
   if (type == "predictor_corrector") read_command(block, test);
   if (type == "target_force") {  // of the loop, which has both axes
-    test.target_force = adapters::target_force_settings(
-        block, {std::begin(kHorizontal), std::end(kHorizontal)}, test.period,
-        test.rate * test.integration_step, &test.specimen_simulated);
+    test.target_force = adapters::target_force_settings(block, names_of(kHorizontal), test.period,
+                                                        test.rate * test.integration_step,
+                                                        &test.specimen_simulated);
     test.target_force_waits =
         block.table_or_empty("in").text("displacement", "").ends_with(".displacement");
   }
   if (type == "force_observer") {
     const auto found = adapters::force_observer_settings(block, axes);
     test.correction =
-        budget::MachineForceCorrection{by_axis(test, found.machine), found.slope_samples};
+        loop::MachineForceCorrection{by_axis(test, found.machine), found.slope_samples};
   }
   if (type == "table_force_observer") {
     const auto found = adapters::table_force_observer_settings(block, axes, test.period);
-    test.correction = budget::TableForceCorrection{by_axis(test, found.machine), found.observer};
+    test.correction = loop::TableForceCorrection{by_axis(test, found.machine), found.observer};
   }
 }
 
@@ -143,13 +142,13 @@ std::vector<budget::Lead> lead_of(const Recorded& by, const std::string& axis) {
 budget::SentInverse inverse_of(const Recorded& by, const Config& block, std::size_t axis,
                                double period) {
   const auto settings =
-      adapters::adaptive_inverse_settings(block, {kHorizontal[axis]}, period).front();
+      adapters::adaptive_inverse_settings(block, {name_of(kHorizontal[axis])}, period).front();
   const auto initial = controller::InverseLead::vector_of(settings.initial);
   budget::SentInverse sent{settings, {}};
   sent.coefficients.assign(by.ticks.count(), initial);
   for (Eigen::Index i = 0; i < initial.size(); ++i) {
     const std::string output =
-        std::string{adapters::kInverseCoefficients[i].output} + "." + kHorizontal[axis];
+        std::string{adapters::kInverseCoefficients[i].output} + "." + name_of(kHorizontal[axis]);
     const auto values =
         ticks_or(by.run, by.ticks, by.monitor(block.text("name"), output), initial[i]);
     for (std::size_t tick = 0; tick < values.size(); ++tick)
@@ -164,14 +163,12 @@ budget::Compensation compensation_of(const Recorded& by, const std::vector<Confi
     if (block.text("type", "") == "adaptive_inverse" &&
         by.tuned(block.text("name") + ".enabled", 1) != 0)
       return inverse_of(by, block, axis, period);
-  return lead_of(by, kHorizontal[axis]);
+  return lead_of(by, name_of(kHorizontal[axis]));
 }
 
 std::array<bool, 2> tested_of(const Experiment& experiment) {
   std::array<bool, 2> tested{};
-  for (std::size_t i = 0; i < 2; ++i)
-    tested[i] = std::find(experiment.axes.begin(), experiment.axes.end(), kHorizontal[i]) !=
-                experiment.axes.end();
+  for (std::size_t i = 0; i < 2; ++i) tested[i] = contains(experiment.axes, kHorizontal[i]);
   return tested;
 }
 
@@ -186,7 +183,7 @@ double relative_difference(const std::vector<double>& wanted, const std::vector<
 
 }  // namespace
 
-budget::ForceCorrection correction_of(const Experiment& experiment) {
+loop::ForceCorrection correction_of(const Experiment& experiment) {
   budget::HybridTest test;
   test.tested = tested_of(experiment);
   static_cast<void>(read_diagram(controller_of(experiment), test));
@@ -218,7 +215,7 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   for (std::size_t i = 0; i < 2; ++i)
     if (test.tested[i]) test.compensation[i] = compensation_of(by, blocks, i, test.period);
   const NodeTicks machine{run, roles.machine};
-  read_host(experiment, run, ticks, test);
+  test.host = recorded_host(experiment, run, ticks, test.period);
   test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);
   return test;
 }
@@ -227,7 +224,7 @@ budget::Response response_of(const Experiment& experiment, const Reader& run) {
   const auto targets = run.signal(experiment.roles.monitor_of_controller() + "pc.targets");
   budget::Response response;
   for (std::size_t i = 0; i < 2; ++i) {
-    const AxisRoles* axis = axis_of(experiment.roles, kHorizontal[i]);
+    const AxisRoles* axis = axis_of(experiment.roles, name_of(kHorizontal[i]));
     response[i] = at_each_count(targets, axis != nullptr && run.has(axis->target)
                                              ? run.signal(axis->target)
                                              : std::vector<double>(targets.size(), 0));
@@ -243,7 +240,7 @@ std::array<std::vector<double>, 2> fed_force_of(const Experiment& experiment, co
   std::array<std::vector<double>, 2> force;
   for (std::size_t i = 0; i < 2; ++i) {
     const std::string signal =
-        experiment.roles.monitor_of_controller() + "pc.held_force." + kHorizontal[i];
+        experiment.roles.monitor_of_controller() + "pc.held_force." + name_of(kHorizontal[i]);
     force[i] = run.has(signal) ? at_each_count(steps, run.signal(signal))
                                : std::vector<double>(steps.size(), 0);
   }
@@ -251,7 +248,7 @@ std::array<std::vector<double>, 2> fed_force_of(const Experiment& experiment, co
 }
 
 budget::TransferRecord transfer_record_of(const Roles& roles, const Reader& run,
-                                          const std::string& axis, const budget::TickOrder& order) {
+                                          const std::string& axis, const loop::TickOrder& order) {
   const AxisRoles* words = axis_of(roles, axis);
   if (words == nullptr) throw Error{"the run does not test the axis '" + axis + "'"};
   const NodeTicks ticks{run, roles.machine};
@@ -290,7 +287,8 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   std::array<budget::TransferRecord, 2> records;
   for (std::size_t i = 0; i < 2; ++i)
     if (test.tested[i])
-      records[i] = transfer_record_of(experiment.roles, run, kHorizontal[i], test.order);
+      records[i] =
+          transfer_record_of(experiment.roles, run, name_of(kHorizontal[i]), test.host.order);
   auto found = budget::mismatch_budget(std::move(test), response_of(experiment, run), records,
                                        fed_force_of(experiment, run));
   const Roles& roles = experiment.roles;

@@ -28,12 +28,12 @@ Schedule schedule_of(const Experiment& experiment, const std::string& node) {
 }
 
 // Times of the scheduled steps of a node; empty if the recording lacks them.
-budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
+loop::TickTimes times_of(const Experiment& experiment, const Reader& run,
                            const std::string& node) {
   const auto late = run.meta_series(launch::kLateSeries + node);
   const auto duration = run.meta_series(launch::kDurationSeries + node);
   const Schedule schedule = schedule_of(experiment, node);
-  budget::TickTimes times;
+  loop::TickTimes times;
   for (std::size_t i = 0; i < std::min(late.values.size(), duration.values.size()); ++i) {
     const bool is_missed = schedule.makes_due && late.values[i] >= schedule.period;
     times.missed.push_back(is_missed);
@@ -47,13 +47,13 @@ budget::TickTimes times_of(const Experiment& experiment, const Reader& run,
 // The ticks in which the targets arrived. The controller shows the time of the last one, so rows
 // may be missing; of several targets between two rows, the others arrived in one of the ticks
 // between.
-std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& ticks,
-                                         const std::string& monitor, const Schedule& schedule) {
+std::vector<loop::Arrival> arrivals_of(const Reader& run, const NodeTicks& ticks,
+                                       const std::string& monitor, const Schedule& schedule) {
   const auto targets = run.signal(monitor + "pc.targets");
   const std::string target_time = monitor + "pc.target_time";
   const auto time = run.has(target_time) ? run.signal(target_time) : std::vector<double>{};
   const auto skipped = ticks.skipped();
-  std::vector<budget::Arrival> arrivals;
+  std::vector<loop::Arrival> arrivals;
   std::size_t last = 0;  // ticks made
   for (std::size_t row = 0; row < targets.size(); ++row) {
     const auto made = static_cast<std::size_t>(std::lround(std::max(0.0, ticks.counter()[row])));
@@ -79,7 +79,7 @@ std::vector<budget::Arrival> arrivals_of(const Reader& run, const NodeTicks& tic
 class Punctuality {
  public:
   /// @param solver_late  by tick of the controller [s]
-  Punctuality(std::vector<double> solver_late, const budget::TickTimes& controller, double period)
+  Punctuality(std::vector<double> solver_late, const loop::TickTimes& controller, double period)
       : controller_{controller}, solver_{std::move(solver_late)}, period_{period} {}
   [[nodiscard]] bool holds(std::size_t from, std::size_t to) const {
     const auto& begin = controller_.begin;
@@ -93,7 +93,7 @@ class Punctuality {
   }
 
  private:
-  const budget::TickTimes& controller_;
+  const loop::TickTimes& controller_;
   std::vector<double> solver_;
   double period_;
 };
@@ -101,7 +101,7 @@ class Punctuality {
 // Ticks of the controller from "at target" to the next target. Where the host was late, the median
 // takes the place of what was recorded. Returns whether the host was never late.
 bool read_computing(const std::vector<double>& at_target, const Punctuality& in_time,
-                    const std::vector<budget::Arrival>& arrivals, budget::HybridTest& test) {
+                    const std::vector<loop::Arrival>& arrivals, loop::Host& host) {
   std::vector<int> punctual;
   std::vector<bool> is_punctual;
   for (std::size_t k = 1; k < arrivals.size(); ++k) {
@@ -109,37 +109,39 @@ bool read_computing(const std::vector<double>& at_target, const Punctuality& in_
     while (reached > arrivals[k - 1].last &&
            !(at_target[reached] >= 1 && at_target[reached - 1] < 1))
       --reached;
-    test.computing.push_back(static_cast<int>(arrivals[k].last - reached));
+    host.computing.push_back(static_cast<int>(arrivals[k].last - reached));
     is_punctual.push_back(arrivals[k].first == arrivals[k].last &&
                           in_time.holds(reached, arrivals[k].last));
-    if (is_punctual.back()) punctual.push_back(test.computing.back());
+    if (is_punctual.back()) punctual.push_back(host.computing.back());
   }
   if (punctual.empty()) return false;
   const auto middle = punctual.begin() + static_cast<std::ptrdiff_t>(punctual.size() / 2);
   std::nth_element(punctual.begin(), middle, punctual.end());
-  for (std::size_t k = 0; k < test.computing.size(); ++k)
-    if (!is_punctual[k]) test.computing[k] = *middle;
-  return punctual.size() == test.computing.size();
+  for (std::size_t k = 0; k < host.computing.size(); ++k)
+    if (!is_punctual[k]) host.computing[k] = *middle;
+  return punctual.size() == host.computing.size();
 }
 
 }  // namespace
 
-void read_host(const Experiment& experiment, const Reader& run, const NodeTicks& ticks,
-               budget::HybridTest& test) {
+loop::Host recorded_host(const Experiment& experiment, const Reader& run, const NodeTicks& ticks,
+                         double period) {
   const auto& roles = experiment.roles;
   const std::string monitor = roles.monitor_of_controller();
   const auto controller = times_of(experiment, run, roles.controller);
-  test.order = budget::order_of(times_of(experiment, run, roles.machine), controller);
+  loop::Host host;
+  host.order = loop::order_of(times_of(experiment, run, roles.machine), controller);
   auto arrivals = arrivals_of(run, ticks, monitor, schedule_of(experiment, roles.controller));
-  if (!arrivals.empty()) test.first_target = arrivals[0].last;
+  if (!arrivals.empty()) host.first_target = arrivals[0].last;
   const std::string late = "monitor." + roles.solver + ".host.late";
   const Punctuality punctuality{run.has(late) ? ticks.values(late) : std::vector<double>{0},
-                                controller, test.period};
+                                controller, period};
   const bool in_time =
-      read_computing(ticks.values(monitor + "pc.at_target"), punctuality, arrivals, test);
+      read_computing(ticks.values(monitor + "pc.at_target"), punctuality, arrivals, host);
   const bool has_times = !controller.begin.empty();
-  if (has_times && !(in_time && test.order.machine_before.empty()))
-    test.arrivals = std::move(arrivals);
+  if (has_times && !(in_time && host.order.machine_before.empty()))
+    host.arrivals = std::move(arrivals);
+  return host;
 }
 
 }  // namespace rths::session

@@ -46,8 +46,6 @@ OscillatorStep vertical_step(const PlantMatrices& plant, double time_step) {
                          time_step);
 }
 
-constexpr double kReferenceAlpha = 0;  // no numerical damping in the purely numerical result
-
 }  // namespace
 
 void BearingPath::append(const Eigen::Vector2d& value) noexcept {
@@ -189,33 +187,44 @@ Eigen::Vector2d PlantAnalysis::floor_acceleration(std::size_t i) const {
   return integrator_.acceleration().segment<2>(plant_.floors[i]) + ground_;
 }
 
-ResponseHistory numerical_response(const PlantMatrices& plant, const GroundMotion& motion,
-                                   const Bearing& bearing, double time_step, double duration) {
-  const double stiffness = plant.bearings > 0 ? initial_stiffness(bearing) : 0;
-  PlantAnalysis analysis{plant, motion, stiffness, time_step, kReferenceAlpha};
-  BearingRun run{bearing, time_step};
-  ResponseHistory history;
-  history.time_step = time_step;
-  for (const auto& name : plant.floor_names) history.floors.push_back({name, {}, {}});
-  const auto steps = std::lround(duration / time_step);
-  for (long step = 0; step < steps; ++step) {
-    const Eigen::Vector2d displacement = analysis.predict();
-    const Eigen::Vector2d force = plant.bearings > 0
-                                      ? run.advance(displacement, analysis.predicted_velocity(),
-                                                    bearing.axial_load + analysis.vertical_force())
-                                      : Eigen::Vector2d::Zero();
-    analysis.correct(force);
-    history.displacement_long.push_back(displacement[0]);
-    history.displacement_lat.push_back(displacement[1]);
-    history.force_long.push_back(force[0]);
-    history.force_lat.push_back(force[1]);
-    for (std::size_t i = 0; i < history.floors.size(); ++i) {
-      const Eigen::Vector2d acceleration = analysis.floor_acceleration(i);
-      history.floors[i].acceleration_long.push_back(acceleration[0]);
-      history.floors[i].acceleration_lat.push_back(acceleration[1]);
-    }
+std::vector<InterfaceDof> PlantAnalysis::interface() const {
+  return {InterfaceDof::of(Axis::Long), InterfaceDof::of(Axis::Lat),
+          InterfaceDof::of(Axis::Vert, Controlled::Force)};
+}
+
+void PlantAnalysis::predict(std::span<double> target, std::span<double> rate) noexcept {
+  const Eigen::Vector2d displacement = predict(), velocity = predicted_velocity();
+  for (Eigen::Index i = 0; i < 2; ++i) {
+    target[static_cast<std::size_t>(i)] = displacement[i];
+    rate[static_cast<std::size_t>(i)] = velocity[i];
   }
-  return history;
+  target[2] = vertical_force_;
+  rate[2] = 0;
+}
+
+void PlantAnalysis::correct(std::span<const double> force) noexcept {
+  correct({force[0], force[1]}, force[2]);
+}
+
+std::vector<Monitor> PlantAnalysis::monitors() const {
+  std::vector<Monitor> monitors;
+  const auto add = [&](const std::string& place) {
+    for (const Axis axis : kHorizontal)
+      monitors.push_back({place + ".accel." + name_of(axis), "m/s2"});
+  };
+  add("ground");
+  for (std::size_t i = 0; i < plant_.floors.size(); ++i) add("floor." + std::to_string(i + 1));
+  return monitors;
+}
+
+void PlantAnalysis::monitor(std::span<double> values) const noexcept {
+  values[0] = ground_[0];
+  values[1] = ground_[1];
+  for (std::size_t i = 0; i < plant_.floors.size(); ++i) {
+    const Eigen::Vector2d acceleration = floor_acceleration(i);
+    values[2 + 2 * i] = acceleration[0];
+    values[3 + 2 * i] = acceleration[1];
+  }
 }
 
 }  // namespace rths::sim

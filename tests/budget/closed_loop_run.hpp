@@ -55,8 +55,8 @@ class ClosedLoop : public ::testing::Test {
     hybrid.machine_identified = experiment.machine;
     if (has_noise)
       hybrid.noise = budget::sensor_noise(
-          hybrid, {session::transfer_record_of(experiment.roles, run, "long", hybrid.order),
-                   session::transfer_record_of(experiment.roles, run, "lat", hybrid.order)});
+          hybrid, {session::transfer_record_of(experiment.roles, run, "long", hybrid.host.order),
+                   session::transfer_record_of(experiment.roles, run, "lat", hybrid.host.order)});
   }
   // Specimen and machine as the laboratory has them; the transfer system is identified.
   [[nodiscard]] experiment::Experiment as_in_the_laboratory() const {

@@ -145,8 +145,8 @@ TEST_F(ClosedLoop, HasABudgetThatAddsUpWithoutAnyDifference) {
 
   const auto found =
       mismatch_budget(hybrid, simulated,
-                      {session::transfer_record_of(experiment.roles, run, "long", hybrid.order),
-                       session::transfer_record_of(experiment.roles, run, "lat", hybrid.order)},
+                      {session::transfer_record_of(experiment.roles, run, "long", hybrid.host.order),
+                       session::transfer_record_of(experiment.roles, run, "lat", hybrid.host.order)},
                       force);
 
   for (const auto& axis : found.axes) {
@@ -161,7 +161,7 @@ TEST_F(ClosedLoop, ReadsConstantsOfOneAxis) {
       temporary.write("constants.toml", "[observer]\neffective_mass_kg = [113369]\n");
   make(false, {{"axes", "[\"long\"]"}, {"node.xpc.constants", constants.string()}});
 
-  const auto& correction = std::get<TableForceCorrection>(hybrid.correction);
+  const auto& correction = std::get<loop::TableForceCorrection>(hybrid.correction);
   EXPECT_EQ(correction.machine[0].effective_mass, 113369);
   EXPECT_EQ(correction.machine[1].effective_mass, 0);
 }
@@ -219,7 +219,7 @@ TEST_F(ClosedLoop, DoesNotDependOnTheNamesOfTheNodes) {
   make(true);
   const auto expected = measured;
   const auto expected_force = force;
-  const auto expected_arrivals = hybrid.computing;
+  const auto expected_arrivals = hybrid.host.computing;
 
   source = renamed_example(temporary);
   make(true);
@@ -227,7 +227,7 @@ TEST_F(ClosedLoop, DoesNotDependOnTheNamesOfTheNodes) {
   EXPECT_EQ(experiment.roles.controller, "target");
   EXPECT_EQ(measured, expected);
   EXPECT_EQ(force, expected_force);
-  EXPECT_EQ(hybrid.computing, expected_arrivals);
+  EXPECT_EQ(hybrid.host.computing, expected_arrivals);
 }
 
 // The run draws its own noise and adapts its own compensation; both loops contain the same

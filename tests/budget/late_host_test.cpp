@@ -42,7 +42,7 @@ Duration stalls(const std::string& node, Duration due) {
 // While all nodes are late, rows are missing, and the lead of these ticks is interpolated.
 TEST_F(ClosedLoop, ReproducesALateHost) {
   make(false, kRealMachine, stalls);
-  ASSERT_FALSE(hybrid.order.machine_before.empty());
+  ASSERT_FALSE(hybrid.host.order.machine_before.empty());
 
   EXPECT_LT(difference(closed_loop(hybrid, kAll)), 1e-3);
   EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(Part::Host))), 3e-3);
@@ -118,7 +118,7 @@ HybridTest with_late_actuator(HybridTest hybrid) {
 // not stop it and make it jump.
 TEST_F(ClosedLoop, BearsALatenessBelowAPeriodWithEverySetOfParts) {
   make(true, kRealMachine, delays);
-  ASSERT_FALSE(hybrid.order.machine_before.empty());
+  ASSERT_FALSE(hybrid.host.order.machine_before.empty());
   const HybridTest late_actuator = with_late_actuator(hybrid);
 
   for (Parts parts = kNone; parts < only(Part::Host); ++parts) {
@@ -145,28 +145,6 @@ TEST_F(ClosedLoop, GivesALatenessBelowAPeriodNoShareWorthNaming) {
     EXPECT_NE(share, 0) << axis.name;
     EXPECT_LT(std::abs(share), 0.02) << axis.name;
   }
-}
-
-// The machine is late by two ticks, then the controller by one.
-TEST(OrderOf, CountsWhatEachNodeHadDoneBefore) {
-  const TickTimes machine{{0.0, 3.4, 3.5, 3.6, 4.0}, {0.1, 3.5, 3.6, 3.7, 4.1}};
-  const TickTimes controller{{0.3, 1.3, 2.3, 4.5, 4.6}, {0.4, 1.4, 2.4, 4.6, 4.7}};
-
-  const TickOrder order = order_of(machine, controller);
-
-  EXPECT_EQ(order.machine_before, (std::vector<std::size_t>{1, 1, 1, 5, 5}));
-  EXPECT_EQ(order.controller_before, (std::vector<std::size_t>{0, 3, 3, 3, 3}));
-}
-
-TEST(OrderOf, IsEmptyIfAllAreOnTime) {
-  const TickTimes machine{{0, 1, 2}, {0.1, 1.1, 2.1}};
-  const TickTimes controller{{0.3, 1.3, 2.3}, {0.4, 1.4, 2.4}};
-
-  const TickOrder order = order_of(machine, controller);
-
-  EXPECT_TRUE(order.machine_before.empty());
-  EXPECT_EQ(order.machine_ticks(7), 8U);
-  EXPECT_EQ(order.controller_ticks(7), 7U);
 }
 
 }  // namespace

@@ -45,9 +45,9 @@ sim::TestMachine laboratory() {
   return machine;
 }
 
-TEST(TransferSystem, RecoversTheHydraulicsOfAMachine) {
+TEST(AxisTransfer, RecoversTheHydraulicsOfAMachine) {
   const sim::TestMachine machine = laboratory();
-  const TransferSystem found = identify_transfer(recorded(machine, 40));
+  const AxisTransfer found = identify_transfer(recorded(machine, 40));
   const sim::ServoAxis& axis = machine.axes[0];
   const double fastest = axis.rated_flow / axis.piston_area;
   const double force = axis.piston_area * axis.supply_pressure;
@@ -68,10 +68,10 @@ TEST(TransferSystem, RecoversTheHydraulicsOfAMachine) {
 }
 
 // Many valves feed back the pressure of vibration only.
-TEST(TransferSystem, FindsTheWashoutOfThePressureFeedback) {
+TEST(AxisTransfer, FindsTheWashoutOfThePressureFeedback) {
   sim::TestMachine machine = laboratory();
   machine.axes[0].pressure_washout = 1;
-  const TransferSystem found = identify_transfer(recorded(machine, 40));
+  const AxisTransfer found = identify_transfer(recorded(machine, 40));
   const sim::ServoAxis& axis = machine.axes[0];
   EXPECT_NEAR(found.gain, axis.position_gain, 0.02 * axis.position_gain);
   EXPECT_NEAR(found.valve_frequency, axis.valve_frequency, 0.05 * axis.valve_frequency);
@@ -81,9 +81,9 @@ TEST(TransferSystem, FindsTheWashoutOfThePressureFeedback) {
 
 // x' = K (r − x): closed form of a first-order lag.
 // Half as wide again, for the noise of one draw.
-TEST(TransferSystem, GivesIntervalsThatHoldTheMachine) {
+TEST(AxisTransfer, GivesIntervalsThatHoldTheMachine) {
   const sim::TestMachine machine = laboratory();
-  const TransferSystem found = identify_transfer(recorded(machine, 40));
+  const AxisTransfer found = identify_transfer(recorded(machine, 40));
   const sim::ServoAxis& axis = machine.axes[0];
   const auto expect = [&](const char* name, double truth) {
     for (const auto& p : found.parameters) {
@@ -98,7 +98,7 @@ TEST(TransferSystem, GivesIntervalsThatHoldTheMachine) {
   expect("supply_force", axis.piston_area * axis.supply_pressure);
 }
 
-TEST(TransferSystem, FindsTheLagOfALinearSystem) {
+TEST(AxisTransfer, FindsTheLagOfALinearSystem) {
   TransferRecord record;
   record.period = kPeriod;
   const double K = 12;
@@ -110,17 +110,17 @@ TEST(TransferSystem, FindsTheLagOfALinearSystem) {
     record.displacement.push_back(x);
     record.force.push_back(0);
   }
-  const TransferSystem found = identify_transfer(record);
+  const AxisTransfer found = identify_transfer(record);
   EXPECT_NEAR(found.delay(), 1 / K, 0.001);
   EXPECT_LT(found.dead_band, 1e-5);
   EXPECT_LT(found.error, 1e-3);
 }
 
-TEST(TransferSystem, MovesAServoAxisAlike) {
+TEST(AxisTransfer, MovesAServoAxisAlike) {
   sim::TestMachine machine = laboratory();
   machine.noise = {0, 0, 0};
   const auto record = recorded(machine, 20);
-  const TransferSystem found = identify_transfer(record);
+  const AxisTransfer found = identify_transfer(record);
   machine.axes[0] = servo_axis(found, machine.axes[0]);
   const auto again = recorded(machine, 20);
   double apart = 0, all = 0;
@@ -131,7 +131,7 @@ TEST(TransferSystem, MovesAServoAxisAlike) {
   EXPECT_LT(std::sqrt(apart / all), 2e-3);
 }
 
-TEST(TransferSystem, RefusesARecordThatIsTooShort) {
+TEST(AxisTransfer, RefusesARecordThatIsTooShort) {
   EXPECT_THROW(static_cast<void>(identify_transfer(recorded(laboratory(), 5))), Error);
 }
 

@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include <rths/core/constants.hpp>
+#include <rths/loop/numerical_response.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/motion_file.hpp>
-#include <rths/sim/plant_analysis.hpp>
 
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
@@ -100,8 +100,8 @@ Path recorded(double amplitude, double time_step) {
   motion.time_step = h1.time_step;
   for (const double a : h1.values) motion.long_acceleration.push_back(a * kStandardGravity);
   for (const double a : h2.values) motion.lat_acceleration.push_back(a * kStandardGravity);
-  const auto response = numerical_response(assemble(example_plant()), motion,
-                                           test::plain_lead_rubber(), time_step, record_duration());
+  const auto response = loop::numerical_response(
+      assemble(example_plant()), motion, test::plain_lead_rubber(), time_step, record_duration());
   double peak = 0;
   for (std::size_t i = 0; i < response.displacement_long.size(); ++i)
     peak = std::max(peak, std::hypot(response.displacement_long[i], response.displacement_lat[i]));

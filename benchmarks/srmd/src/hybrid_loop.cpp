@@ -8,16 +8,14 @@
 #include <rths/adapters/block_settings.hpp>
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
-#include <rths/controller/force_observer.hpp>
-#include <rths/controller/predictor_corrector.hpp>
-#include <rths/controller/target_exchange.hpp>
-
-#include "specimen_force.hpp"
+#include <rths/core/axis.hpp>
+#include <rths/loop/closed_loop.hpp>
+#include <rths/loop/perfect_machine.hpp>
 
 namespace rths::bench {
 namespace {
 
-using Eigen::Vector2d;
+using Eigen::VectorXd;
 using sim::machine::PlatenFeedback;
 using sim::machine::PlatenReference;
 using sim::machine::PlatenRun;
@@ -33,14 +31,14 @@ constexpr double kPaperFeedForward = 0.4;  // set: see docs/theory/platen_machin
 
 class Bare final : public Compensator {
  public:
-  double step(const Command& command, double /*measured*/, double /*force*/) override {
+  double step(const AxisCommand& command, double /*measured*/, double /*force*/) override {
     return command[0];
   }
 };
 
 class PaperAts final : public Compensator {
  public:
-  double step(const Command& command, double measured, double /*force*/) override {
+  double step(const AxisCommand& command, double measured, double /*force*/) override {
     return ats_.step(command, measured, 1, true);
   }
   [[nodiscard]] Eigen::Vector3d coefficients() const override { return ats_.coefficients(); }
@@ -52,7 +50,7 @@ class PaperAts final : public Compensator {
 class Inverse final : public Compensator {
  public:
   explicit Inverse(const controller::AdaptiveInverseSettings& settings) : inverse_{settings} {}
-  double step(const Command& command, double measured, double force) override {
+  double step(const AxisCommand& command, double measured, double force) override {
     return inverse_.step(command[0], measured, force, 1, true);
   }
   [[nodiscard]] Eigen::Vector3d coefficients() const override {
@@ -64,32 +62,62 @@ class Inverse final : public Compensator {
   controller::AdaptiveInverse inverse_;
 };
 
-/// The compensators of both axes and the references that they form.
-class Compensation {
+/// The machine with a controller's compensators and force correction.
+class PlatenTransfer final : public loop::TransferSystem {
  public:
-  explicit Compensation(const Controller& controller) : feed_forward_{controller.feed_forward} {
+  PlatenTransfer(const PlatenTest& test, const Controller& controller)
+      : test_{test},
+        controller_{controller},
+        machine_{test.at_rest},
+        force_feedback_{controller.force.correction, controller.force.target_force, kPeriod} {
     for (std::size_t i = 0; i < 2; ++i) axes_[i] = controller.compensator(i);
   }
-  PlatenReference step(const std::array<Command, 2>& commands, const PlatenFeedback& feedback,
-                       const Vector2d& force, double axial_load,
-                       std::array<AxisHistory, 2>& history) {
-    PlatenReference reference;
-    reference.axial_load = axial_load;
-    reference.feed_forward = feed_forward_;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double measured = feedback.displacement[static_cast<Eigen::Index>(i)];
-      reference.displacement[static_cast<Eigen::Index>(i)] =
-          axes_[i]->step(commands[i], measured, force[static_cast<Eigen::Index>(i)]);
-      history[i].command.push_back(commands[i][0]);
-      history[i].measured.push_back(measured);
-      history[i].coefficients.push_back(axes_[i]->coefficients());
+
+  void send(std::size_t /*controller_tick*/, const loop::Command& command) override {
+    reference_.feed_forward = controller_.feed_forward;
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      const auto axis = static_cast<std::size_t>(i);
+      const double x = command.displacement[i], measured = feedback_.displacement[i];
+      reference_.displacement[i] = axes_[axis]->step(
+          {x, command.velocity[i], command.acceleration[i]}, measured, force_feedback_.ahead()[i]);
+      history[axis].command.push_back(x);
+      history[axis].measured.push_back(measured);
+      history[axis].coefficients.push_back(axes_[axis]->coefficients());
     }
-    return reference;
+    if (records_commands) commands.push_back(command);
   }
 
+  void move(std::size_t /*found*/, const VectorXd& forces) override {
+    reference_.axial_load = test_.machine.specimen.axial_load + forces[0];
+    if (machine_.step(reference_, feedback_) != Status::Ok) ++limits;
+    displacement_ = feedback_.displacement.head<2>();
+  }
+
+  void measure(const VectorXd& target, const loop::Command& last) override {
+    loop::AxisMeasurement measured{displacement_, feedback_.acceleration.head<2>(),
+                                   feedback_.force.head<2>(), feedback_.force[2]};
+    if (!controller_.force.knows_offset) measured.force -= test_.machine.transducers.force_offset;
+    force_feedback_.step(force_feedback_.corrected(measured, true), target, last);
+    force_ = force_feedback_.at_target();
+  }
+
+  [[nodiscard]] const VectorXd& displacement() const override { return displacement_; }
+  [[nodiscard]] const VectorXd& force() const override { return force_; }
+
+  std::array<AxisHistory, 2> history;
+  std::vector<loop::Command> commands;
+  bool records_commands = false;
+  long limits = 0;  ///< periods with a limit of the machine reached
+
  private:
-  double feed_forward_;
+  const PlatenTest& test_;
+  const Controller& controller_;
+  PlatenRun machine_;
   std::array<std::unique_ptr<Compensator>, 2> axes_;
+  loop::ForceFeedback force_feedback_;
+  PlatenReference reference_;
+  PlatenFeedback feedback_;
+  VectorXd displacement_ = VectorXd::Zero(2), force_ = VectorXd::Zero(2);
 };
 
 controller::PredictorCorrectorSettings command_settings() {
@@ -100,90 +128,47 @@ controller::PredictorCorrectorSettings command_settings() {
   return settings;
 }
 
-/// Predictor-corrector, its handshake, and force observers, at the controller's period.
-class RealTimeTarget {
- public:
-  RealTimeTarget(const std::optional<ForceCorrection>& correction, const Vector2d& offset)
-      : pc_{command_settings()}, exchange_{{0, 0}, command_settings()}, force_{correction, offset} {
-    for (Eigen::VectorXd* v : {&target_.displacement, &target_.velocity, &target_.acceleration})
-      v->setZero(2);
-  }
-  void send(const Vector2d& displacement) {
-    target_.displacement = displacement;
-    word_ = 1;
-  }
-  void step(const PlatenFeedback& feedback) {
-    force_.step(feedback, target_.displacement, {command(0), command(1)});
-    const Eigen::VectorXd displacement = feedback.displacement.head<2>();
-    for (int k = 0; k < kSubsteps; ++k) {
-      const bool is_new = exchange_.begin(word_);
-      pc_.substep(is_new, target_);
-      exchange_.end(pc_, displacement, force_.at_target());
-    }
-    if (exchange_.switch_pc()) word_ = 0;
-  }
-  [[nodiscard]] Command command(Eigen::Index axis) const {
-    return {pc_.command()[axis], pc_.command_velocity()[axis], pc_.command_acceleration()[axis]};
-  }
-  [[nodiscard]] bool is_waiting() const { return word_ == 0 && exchange_.at_target(); }
-  [[nodiscard]] Vector2d held_force() const { return exchange_.held_force(); }
-  /// Of the specimen, for the compensator [N]
-  [[nodiscard]] const Eigen::VectorXd& force() const { return force_.ahead(); }
-
- private:
-  controller::PredictorCorrector pc_;
-  controller::TargetExchange exchange_;
-  controller::Target target_;
-  double word_ = 0;
-  SpecimenForce force_;
-};
-
-void note(const sim::PlantAnalysis& analysis, sim::ResponseHistory& response) {
-  const Vector2d base = analysis.base_displacement();
-  response.displacement_long.push_back(base[0]);
-  response.displacement_lat.push_back(base[1]);
-  for (std::size_t i = 0; i < response.floors.size(); ++i) {
-    const Vector2d a = analysis.floor_acceleration(i);
-    response.floors[i].acceleration_long.push_back(a[0]);
-    response.floors[i].acceleration_lat.push_back(a[1]);
-  }
-}
-
-sim::PlantAnalysis analysis_of(const HybridTest& test) {
+sim::PlantAnalysis analysis_of(const PlatenTest& test) {
   return {test.plant,          test.motion, sim::initial_stiffness(test.machine.specimen),
           kIntegrationStep,    kAlpha,      sim::VerticalFeedback::Model,
           kIntegrationSubsteps};
 }
 
-sim::ResponseHistory empty_response(const sim::PlantMatrices& plant) {
-  sim::ResponseHistory response;
-  response.time_step = kIntegrationStep;
-  for (const auto& name : plant.floor_names) response.floors.push_back({name, {}, {}});
-  return response;
+// The solver computes as long as the paper's at the mean.
+loop::ClosedLoopSettings loop_settings(const PlatenTest& test) {
+  loop::ClosedLoopSettings settings;
+  settings.period = kPeriod;
+  settings.tested.assign(test.axes.begin(), test.axes.end());
+  settings.path.emplace().settings = command_settings();
+  settings.host.computing = {kComputingTicks};
+  settings.host.first_target = kRestTicks;
+  return settings;
 }
 
-Vector2d tested(const HybridTest& test, Vector2d value) {
-  for (std::size_t i = 0; i < 2; ++i)
-    if (!test.axes[i]) value[static_cast<Eigen::Index>(i)] = 0;
-  return value;
+void note(const sim::PlantAnalysis& analysis, loop::ResponseHistory& response) {
+  response.append_displacement(analysis.base_displacement());
+  response.append_floors(analysis);
 }
 
-long steps_of(const HybridTest& test) { return std::lround(test.duration / kIntegrationStep); }
+long steps_of(const PlatenTest& test) { return std::lround(test.duration / kIntegrationStep); }
 
 }  // namespace
 
 Controller bare_controller() {
-  return {"none", 0, std::nullopt, [](std::size_t) { return std::make_unique<Bare>(); }};
+  return {"none", 0, {}, [](std::size_t) { return std::make_unique<Bare>(); }};
 }
 
 Controller paper_controller() {
-  return {"paper", kPaperFeedForward, std::nullopt,
+  const auto setup = controller::unison_eqs_setup();
+  return {"paper",
+          kPaperFeedForward,
+          {loop::MachineForceCorrection{{setup.long_axis, setup.lat_axis}}, std::nullopt},
           [](std::size_t) { return std::make_unique<PaperAts>(); }};
 }
 
 Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
                               const sim::Bearing& bearing, const Config& constants) {
-  const std::vector<std::string> axes{"long", "lat"};
+  const auto axes = names_of(kHorizontal);
   const auto observer =
       adapters::table_force_observer_settings(constants.table("observer"), axes, kPeriod);
   auto inverse = adapters::adaptive_inverse_settings(constants.table("inverse"), axes, kPeriod);
@@ -196,85 +181,57 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
   auto target_force = adapters::target_force_settings(constants.table("target_force"), axes,
                                                       kPeriod, kIntegrationStep, &bearing);
   return {
-      "inverse", 0,
-      ForceCorrection{
-          {observer.machine[0], observer.machine[1]}, observer.observer, std::move(target_force)},
+      "inverse",
+      0,
+      {loop::TableForceCorrection{{observer.machine[0], observer.machine[1]}, observer.observer},
+       std::move(target_force), true},
       [inverse](std::size_t axis) { return std::make_unique<Inverse>(inverse[axis]); }};
 }
 
-HybridHistory run_hybrid(const HybridTest& test, const Controller& controller) {
+HybridHistory run_hybrid(const PlatenTest& test, const Controller& controller) {
   HybridHistory history;
-  history.response = empty_response(test.plant);
-  PlatenRun machine = test.at_rest;
+  history.response = {test.plant, kIntegrationStep};
   sim::PlantAnalysis analysis = analysis_of(test);
-  RealTimeTarget target{controller.correction, test.machine.transducers.force_offset};
-  Compensation compensation{controller};
-  const double weight = test.machine.specimen.axial_load;
-  PlatenReference reference;
-  reference.axial_load = weight;
-  PlatenFeedback feedback;
-  Vector2d next = Vector2d::Zero();
-  long sent = 0, send_at = kRestTicks;
-  bool computing = true;
+  PlatenTransfer transfer{test, controller};
+  transfer.records_commands = true;
+  loop::ClosedLoop loop{analysis, transfer, loop_settings(test)};
+  const auto steps = static_cast<std::size_t>(steps_of(test));
   // A target each integration step; the solver waits at most as long again for
   // each of them.
   const long most = kRestTicks + 2L * 10 * steps_of(test);
-  for (long tick = 0; tick < most && sent <= steps_of(test); ++tick) {
-    if (machine.step(reference, feedback) != Status::Ok) ++history.limits;
-    if (computing && tick == send_at) {
-      next = tested(test, analysis.predict());
-      target.send(next);
-      ++sent;
-      computing = false;
-    }
-    target.step(feedback);
-    if (!computing && target.is_waiting()) {
-      analysis.correct(target.held_force());
-      note(analysis, history.response);
-      computing = true;
-      send_at = tick + kComputingTicks;
-    }
-    const std::array<Command, 2> commands{target.command(0), target.command(1)};
-    for (std::size_t i = 0; i < 2; ++i) history.commands[i].push_back(commands[i]);
-    reference = compensation.step(commands, feedback, target.force(),
-                                  weight + analysis.vertical_force(), history.axes);
-    history.stable = history.stable && next.norm() < test.machine.limits.stroke.norm();
-    if (!history.stable) break;
+  for (long tick = 0; tick < most && loop.targets() <= steps && history.stable; ++tick) {
+    const std::size_t ended = loop.steps();
+    loop.tick();
+    if (loop.steps() > ended) note(analysis, history.response);
+    history.stable = loop.target().norm() < test.machine.limits.stroke.norm();
   }
+  history.axes = std::move(transfer.history);
+  history.commands = std::move(transfer.commands);
+  history.limits = transfer.limits;
   return history;
 }
 
-std::array<AxisHistory, 2> replay(const HybridTest& test, const HybridHistory& from,
+std::array<AxisHistory, 2> replay(const PlatenTest& test, const HybridHistory& from,
                                   const Controller& controller) {
-  std::array<AxisHistory, 2> history;
-  PlatenRun machine = test.at_rest;
-  Compensation compensation{controller};
-  PlatenReference reference;
-  reference.axial_load = test.machine.specimen.axial_load;
-  PlatenFeedback feedback;
-  for (std::size_t tick = 0; tick < from.commands[0].size(); ++tick) {
-    static_cast<void>(machine.step(reference, feedback));
-    reference = compensation.step({from.commands[0][tick], from.commands[1][tick]}, feedback,
-                                  Vector2d::Zero(), test.machine.specimen.axial_load, history);
+  PlatenTransfer transfer{test, controller};
+  const VectorXd at_rest = VectorXd::Zero(1);
+  for (std::size_t tick = 0; tick < from.commands.size(); ++tick) {
+    transfer.move(tick, at_rest);
+    transfer.send(tick, from.commands[tick]);
   }
-  return history;
+  return std::move(transfer.history);
 }
 
-sim::ResponseHistory numerical_loop(const HybridTest& test) {
-  sim::ResponseHistory response = empty_response(test.plant);
+loop::ResponseHistory numerical_loop(const PlatenTest& test) {
+  loop::ResponseHistory response{test.plant, kIntegrationStep};
   sim::PlantAnalysis analysis = analysis_of(test);
-  const sim::Bearing& bearing = test.machine.specimen;
-  sim::BearingRun specimen{bearing, kIntegrationStep / kSpecimenSteps};
-  Vector2d at = Vector2d::Zero();
+  loop::PerfectMachine machine{test.machine.specimen, kIntegrationStep, kSpecimenSteps};
+  loop::ClosedLoopSettings settings;
+  settings.period = kIntegrationStep;
+  settings.tested.assign(test.axes.begin(), test.axes.end());
+  loop::ClosedLoop loop{analysis, machine, settings};
   for (long step = 0; step < steps_of(test); ++step) {
-    const Vector2d to = tested(test, analysis.predict());
-    const Vector2d velocity = (to - at) / kIntegrationStep;
-    Vector2d force = Vector2d::Zero();
-    for (int k = 1; k <= kSpecimenSteps; ++k)
-      force = specimen.advance(at + (to - at) * k / kSpecimenSteps, velocity,
-                               bearing.axial_load + analysis.vertical_force());
-    at = to;
-    analysis.correct(tested(test, force));
+    loop.tick();
     note(analysis, response);
   }
   return response;

@@ -109,7 +109,7 @@ SrmdAxis figures_of(const char* name, const AxisHistory& history, const AxisHist
   return axis;
 }
 
-double floor_error(const sim::ResponseHistory& test, const sim::ResponseHistory& numerical) {
+double floor_error(const loop::ResponseHistory& test, const loop::ResponseHistory& numerical) {
   static const auto frequencies = sim::spectrum_frequencies(6, 11, 21);
   double worst = 0;
   for (std::size_t i = 0; i < numerical.floors.size(); ++i) {
@@ -117,7 +117,7 @@ double floor_error(const sim::ResponseHistory& test, const sim::ResponseHistory&
     const auto& theirs = numerical.floors[i];
     const std::size_t common =
         std::min(ours.acceleration_long.size(), theirs.acceleration_long.size());
-    const auto spectrum = [&](const sim::ResponseHistory::Floor& floor) {
+    const auto spectrum = [&](const loop::ResponseHistory::Floor& floor) {
       return sim::floor_spectrum(std::span{floor.acceleration_long}.first(common),
                                  std::span{floor.acceleration_lat}.first(common), test.time_step,
                                  frequencies, 0.05);
@@ -131,8 +131,8 @@ double floor_error(const sim::ResponseHistory& test, const sim::ResponseHistory&
   return worst;
 }
 
-SrmdTest run_test(const HybridTest& test, const Controller& controller,
-                  const sim::ResponseHistory& numerical) {
+SrmdTest run_test(const PlatenTest& test, const Controller& controller,
+                  const loop::ResponseHistory& numerical) {
   SrmdTest result;
   result.controller = controller.name;
   const HybridHistory history = run_hybrid(test, controller);
@@ -144,10 +144,10 @@ SrmdTest run_test(const HybridTest& test, const Controller& controller,
   feed_forward.feed_forward = controller.feed_forward;
   const auto fed_forward =
       feed_forward.feed_forward > 0 ? replay(test, history, feed_forward) : raw;
-  constexpr const char* kNames[] = {"long", "lat"};
   for (std::size_t i = 0; i < 2; ++i)
     if (test.axes[i])
-      result.axes.push_back(figures_of(kNames[i], history.axes[i], raw[i], fed_forward[i]));
+      result.axes.push_back(
+          figures_of(name_of(kHorizontal[i]), history.axes[i], raw[i], fed_forward[i]));
   result.floor_error = floor_error(history.response, numerical);
   return result;
 }
@@ -221,13 +221,13 @@ void run_row(const Bench& bench, int member, const Record& record, FinishedTests
   const auto drawn = sim::machine::family_member(bench.nominal, member);
   auto machine = drawn.machine;
   machine.specimen = sim::machine::with_stiffness(bench.bearing, drawn.specimen_stiffness);
-  const HybridTest test{.machine = machine,
+  const PlatenTest test{.machine = machine,
                         .at_rest = {machine, kPeriod},
                         .plant = sim::assemble(bench.plant),
                         .motion = read_motion(record, bench.options.records_folder),
                         .duration = bench.options.duration,
                         .axes = {true, record.is_2d}};
-  std::optional<sim::ResponseHistory> numerical;
+  std::optional<loop::ResponseHistory> numerical;
   for (const auto& controller : bench.controllers) {
     const TestName name{member, record.name, controller.name};
     if (finished.contains(name)) continue;

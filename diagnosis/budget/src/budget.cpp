@@ -7,13 +7,13 @@
 #include <fmt/format.h>
 
 #include <rths/budget/shapley.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::budget {
 namespace {
 
 constexpr double kWorthNaming = 0.02;  // share [-]
-constexpr const char* kAxisNames[] = {"long", "lat"};
 constexpr const char* kPartNames[kParts] = {"tracking", "force",     "specimen",
                                             "machine",  "numerical", "host"};
 constexpr const char* kPartTexts[kParts] = {"tracking of the machine",
@@ -50,7 +50,7 @@ using Energies = std::vector<std::array<double, 2>>;
 Energies energies_of(const HybridTest& test, const Response& measured, Response& simulated,
                      Response& improved) {
   Energies energies(std::size_t{1} << kParts);
-  const bool is_late = !test.order.machine_before.empty() || !test.arrivals.empty();
+  const bool is_late = !test.host.order.machine_before.empty() || !test.host.arrivals.empty();
   for (Parts parts = kNone; parts <= kAll; ++parts) {
     if (!is_late && has(parts, Part::Host)) {
       energies[parts] = energies[parts & ~only(Part::Host)];
@@ -105,7 +105,7 @@ const char* name_of(Part part) { return kPartNames[static_cast<unsigned>(part)];
 MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
                                const std::array<TransferRecord, 2>& records,
                                const std::array<std::vector<double>, 2>& force) {
-  std::array<TransferSystem, 2> systems;
+  std::array<AxisTransfer, 2> systems;
   for (std::size_t axis = 0; axis < 2; ++axis)
     if (test.tested[axis]) {
       systems[axis] = identify_transfer(records[axis]);
@@ -122,7 +122,7 @@ MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (!test.tested[axis]) continue;
     AxisBudget one;
-    one.name = kAxisNames[axis];
+    one.name = name_of(kHorizontal[axis]);
     one.transfer = systems[axis];
     one.measured = measured[axis];
     one.simulated = simulated[axis];

@@ -53,7 +53,7 @@ Vector2d MachineOwnForce::operator()(const Platen& platen, double time,
           q.force[1] + axes_[1].effective_mass * platen.acceleration[1] + axes_[1].force_offset};
 }
 
-Motion IdealTransfer::asked_by(const Command& command) noexcept {
+Motion IdealTransfer::asked_by(const loop::Command& command) noexcept {
   const double pace = command.pace.share;
   auto q = quantities_of(
       {command.displacement, pace * command.velocity, pace * pace * command.acceleration}, time_,
@@ -84,14 +84,15 @@ void ServoTransfer::step(const Vector2d& reference, double axial_load, Platen& p
   table_force = feedback.force;
 }
 
-Readings Sensors::operator()(const Platen& platen, const Vector2d& table_force, double time,
-                             double axial_load) noexcept {
+loop::AxisMeasurement Sensors::operator()(const Platen& platen, const Vector2d& table_force,
+                                          double time, double axial_load) noexcept {
   auto q = quantities_of(platen, time, axial_load);
   q.force = {table_force[0], table_force[1]};
   terms_.advance(q);
   return {{q.displacement[0], q.displacement[1]},
           {q.acceleration[0], q.acceleration[1]},
-          {q.force[0], q.force[1]}};
+          {q.force[0], q.force[1]},
+          axial_load};
 }
 
 }  // namespace rths::budget::platen

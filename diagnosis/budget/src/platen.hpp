@@ -7,9 +7,8 @@
 #include <vector>
 
 #include <rths/budget/closed_loop.hpp>
+#include <rths/loop/transfer_system.hpp>
 #include <rths/sim/term.hpp>
-
-#include "compensator.hpp"
 
 namespace rths::budget::platen {
 
@@ -64,7 +63,7 @@ class IdealTransfer {
         specimen_{specimen, period_} {}
 
   /// The motion that the command of the controller's next tick asks for.
-  Motion asked_by(const Command& command) noexcept;
+  Motion asked_by(const loop::Command& command) noexcept;
   /// One tick of the machine. @param motion  asked for by the last command that it has found
   void step(const Motion& motion, double axial_load, Platen& platen) noexcept;
 
@@ -91,19 +90,13 @@ class ServoTransfer {
   sim::TestMachineRun run_;
 };
 
-/// What the sensors read, before their noise.
-struct Readings {
-  Vector2d displacement = Vector2d::Zero(), acceleration = Vector2d::Zero(),
-           force = Vector2d::Zero();
-};
-
-/// The sensor terms of a machine.
+/// The sensor terms of a machine: what it reads, before noise.
 class Sensors {
  public:
   Sensors(const sim::TestMachine& machine, double period)
       : terms_{terms_of_stage(machine, sim::Stage::Sensor), period} {}
-  Readings operator()(const Platen& platen, const Vector2d& table_force, double time,
-                      double axial_load) noexcept;
+  loop::AxisMeasurement operator()(const Platen& platen, const Vector2d& table_force, double time,
+                                   double axial_load) noexcept;
 
  private:
   RunningTerms terms_;

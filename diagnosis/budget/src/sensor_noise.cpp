@@ -63,7 +63,7 @@ std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
   std::array<MeasuredNoise, 2> noise;
   for (std::size_t i = 0; i < 2; ++i) {
     const auto beside = [&](const std::vector<double>& measured, const std::vector<double>& model) {
-      return noise_beside(measured, model, test.first_target);
+      return noise_beside(measured, model, test.host.first_target);
     };
     noise[i] = {beside(records[i].displacement, modelled[i].displacement),
                 beside(records[i].acceleration, modelled[i].acceleration),

@@ -27,21 +27,21 @@ constexpr double kNormal95 = 1.96;
 struct Fitted {
   const char* name;
   const char* unit;
-  double TransferSystem::*member;
+  double AxisTransfer::*member;
   double low, high, scale;
 };
 
 constexpr Fitted kFitted[] = {
-    {"gain", "1/s", &TransferSystem::gain, 1, 500, 20},
-    {"transport_delay", "s", &TransferSystem::transport_delay, 0, 0.1, 0.002},
-    {"valve_frequency", "Hz", &TransferSystem::valve_frequency, 1, 100, 10},
-    {"valve_damping", "1", &TransferSystem::valve_damping, 0.1, 5, 1},
-    {"dead_band", "m", &TransferSystem::dead_band, 0, 0.02, 5e-4},
-    {"pressure_feedback", "m/(s.N)", &TransferSystem::pressure_feedback, 0, 1e-6, 1e-8},
-    {"pressure_washout", "Hz", &TransferSystem::pressure_washout, 0, 20, 1},
-    {"compliance", "m/N", &TransferSystem::compliance, 1e-11, 1e-7, 1e-9},
-    {"supply_force", "N", &TransferSystem::supply_force, 1e3, 1e9, 1e7},
-    {"leakage", "m/(s.N)", &TransferSystem::leakage, 0, 1e-6, 1e-9},
+    {"gain", "1/s", &AxisTransfer::gain, 1, 500, 20},
+    {"transport_delay", "s", &AxisTransfer::transport_delay, 0, 0.1, 0.002},
+    {"valve_frequency", "Hz", &AxisTransfer::valve_frequency, 1, 100, 10},
+    {"valve_damping", "1", &AxisTransfer::valve_damping, 0.1, 5, 1},
+    {"dead_band", "m", &AxisTransfer::dead_band, 0, 0.02, 5e-4},
+    {"pressure_feedback", "m/(s.N)", &AxisTransfer::pressure_feedback, 0, 1e-6, 1e-8},
+    {"pressure_washout", "Hz", &AxisTransfer::pressure_washout, 0, 20, 1},
+    {"compliance", "m/N", &AxisTransfer::compliance, 1e-11, 1e-7, 1e-9},
+    {"supply_force", "N", &AxisTransfer::supply_force, 1e3, 1e9, 1e7},
+    {"leakage", "m/(s.N)", &AxisTransfer::leakage, 0, 1e-6, 1e-9},
 };
 constexpr auto kCount = static_cast<Eigen::Index>(std::size(kFitted));
 
@@ -57,7 +57,7 @@ State moved(const State& from, const State& d, double dt) {
 /// Signals that are linear between samples. A held reference is known at the middle of its period.
 class Input {
  public:
-  Input(const TransferSystem& system, const TransferRecord& record)
+  Input(const AxisTransfer& system, const TransferRecord& record)
       : record_{record}, shift_{0.5 - system.transport_delay / record.period} {}
   [[nodiscard]] double reference(double periods) const {
     return at(record_.reference, periods + shift_);
@@ -76,7 +76,7 @@ class Input {
   double shift_;
 };
 
-State rates(const TransferSystem& p, const State& s, double reference, double force) {
+State rates(const AxisTransfer& p, const State& s, double reference, double force) {
   const double omega = 2 * std::numbers::pi * p.valve_frequency;
   const double x = s.z - p.compliance * force;
   const double demand = p.gain * (reference - x) - p.pressure_feedback * (force - s.slow_force);
@@ -132,8 +132,8 @@ std::vector<double> less(std::vector<double> a, const std::vector<double>& b) {
   return a;
 }
 
-TransferSystem system_at(const Eigen::VectorXd& parameters) {
-  TransferSystem system;
+AxisTransfer system_at(const Eigen::VectorXd& parameters) {
+  AxisTransfer system;
   for (Eigen::Index i = 0; i < kCount; ++i) system.*kFitted[i].member = parameters[i];
   return system;
 }
@@ -167,7 +167,7 @@ bool jacobian_at(const TransferRecord& record, const std::vector<std::size_t>& c
 }
 
 diagnosis::Fit fit(const TransferRecord& record, const std::vector<std::size_t>& chosen,
-                   const TransferSystem& start) {
+                   const AxisTransfer& start) {
   diagnosis::FitProblem problem;
   problem.rows = static_cast<Eigen::Index>(chosen.size());
   problem.start.resize(kCount);
@@ -225,9 +225,9 @@ std::array<double, kCount> half_widths(const diagnosis::Fit& fitted, Eigen::Inde
 
 }  // namespace
 
-double TransferSystem::delay() const { return 1 / gain + transport_delay; }
+double AxisTransfer::delay() const { return 1 / gain + transport_delay; }
 
-std::vector<double> predicted(const TransferSystem& system, const TransferRecord& record) {
+std::vector<double> predicted(const AxisTransfer& system, const TransferRecord& record) {
   const Input input{system, record};
   const double h = record.period;
   std::vector<double> x(record.reference.size());
@@ -246,21 +246,21 @@ std::vector<double> predicted(const TransferSystem& system, const TransferRecord
   return x;
 }
 
-double error_on(const TransferSystem& system, const TransferRecord& record) {
+double error_on(const AxisTransfer& system, const TransferRecord& record) {
   std::vector<std::size_t> all(record.displacement.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
   return rms(less(record.displacement, predicted(system, record)), all) /
          rms(record.displacement, all);
 }
 
-TransferSystem identify_transfer(const TransferRecord& record) {
+AxisTransfer identify_transfer(const TransferRecord& record) {
   check(record);
   const double delay = controller::identify_delay(record.reference, record.displacement,
                                                   record.period, kLongestDelay)
                            .minimum_rms;
   double strongest = 0;
   for (const double force : record.force) strongest = std::max(strongest, std::abs(force));
-  TransferSystem start;
+  AxisTransfer start;
   start.gain = 1 / std::clamp(0.7 * delay, 0.002, 1.0);
   start.transport_delay = 0.1 * std::clamp(delay, 0.0, 0.2);
   start.dead_band = 1e-4;
@@ -270,7 +270,7 @@ TransferSystem identify_transfer(const TransferRecord& record) {
   start.leakage = 1e-11;
   const auto chosen = samples_of(record, 0), scored = samples_of(record, 1);
   const auto fitted = fit(record, chosen, start);
-  TransferSystem system = system_at(fitted.parameters);
+  AxisTransfer system = system_at(fitted.parameters);
   const auto widths = half_widths(fitted, static_cast<Eigen::Index>(kWindow / record.period));
   for (std::size_t i = 0; i < widths.size(); ++i)
     system.parameters.push_back(
@@ -285,7 +285,7 @@ TransferSystem identify_transfer(const TransferRecord& record) {
   return system;
 }
 
-sim::ServoAxis servo_axis(const TransferSystem& system, sim::ServoAxis axis) {
+sim::ServoAxis servo_axis(const AxisTransfer& system, sim::ServoAxis axis) {
   const double fastest = kHeadroom * axis.limits.velocity;  // Q_r/A
   const double area = system.supply_force / axis.supply_pressure;
   axis.piston_area = area;

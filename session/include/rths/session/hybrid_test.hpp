@@ -12,7 +12,7 @@ using experiment::Experiment;
 
 /// The correction of the measured force by the controller's block diagram.
 /// @throws Error if the controller runs no block diagram   @setup
-[[nodiscard]] budget::ForceCorrection correction_of(const Experiment& experiment);
+[[nodiscard]] loop::ForceCorrection correction_of(const Experiment& experiment);
 
 /// A run as the closed loop of a budget. Simulated parts come from [model] of the experiment. What
 /// the run did itself comes from its recording: times of computing, lateness of the host,
@@ -39,7 +39,7 @@ using experiment::Experiment;
 [[nodiscard]] budget::TransferRecord transfer_record_of(const recording::Roles& roles,
                                                         const recording::Reader& run,
                                                         const std::string& axis,
-                                                        const budget::TickOrder& order);
+                                                        const loop::TickOrder& order);
 
 /// The mismatch budget of a run. Its transfer system is identified from the recording.
 /// @param improved  the experiment with the improvements of a diagnosis: its model holds specimen

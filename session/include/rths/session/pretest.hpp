@@ -29,7 +29,7 @@ struct PretestSettings {
 /// Prediction for one axis.
 struct AxisPrediction {
   std::string name;                ///< "long", "lat"
-  budget::TransferSystem machine;  ///< identified
+  budget::AxisTransfer machine;    ///< identified
   double machine_delay = 0;        ///< of its displacement behind its reference [s]
   double peak = 0;                 ///< of the purely numerical response [m]
   std::vector<commissioning::AmplitudeMargin>

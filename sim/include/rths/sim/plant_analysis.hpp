@@ -14,6 +14,7 @@
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/oscillator.hpp>
+#include <rths/sim/substructure.hpp>
 
 namespace rths::sim {
 
@@ -33,8 +34,8 @@ struct BearingPath {
   [[nodiscard]] Eigen::Vector2d at(double x) const RTHS_REALTIME;
 };
 
-/// The numerical substructure: a plant under a ground motion, integrated one time step at a time.
-/// The caller supplies the bearing's restoring force.
+/// A plant under a ground motion, integrated one time step at a time. It meets its bearing at the
+/// displacements long and lat, and at the compression vert.
 ///
 /// With substeps, the plant is integrated in parts of the time step, between the targets. The
 /// bearing's force is extrapolated for the target, then interpolated between measured forces.
@@ -42,7 +43,7 @@ struct BearingPath {
 /// Vertically the plant is one mass on bearings, independent of the horizontal motion. A bearing
 /// that stands off the centre also carries its part of the overturning moment. The sum is a target
 /// for the specimen.
-class PlantAnalysis {
+class PlantAnalysis final : public Substructure {
  public:
   /// @param bearing_initial_stiffness  of one bearing [N/m]; unused when the plant has no bearings
   /// @param time_step  between targets [s]
@@ -53,6 +54,14 @@ class PlantAnalysis {
                 double time_step, double alpha, VerticalFeedback vertical = VerticalFeedback::Model,
                 int substeps = 1);
 
+  [[nodiscard]] std::vector<InterfaceDof> interface() const override;
+  void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME override;
+  void correct(std::span<const double> force) RTHS_REALTIME override;
+  [[nodiscard]] double time() const RTHS_REALTIME override { return time_; }
+  /// Acceleration of the ground and of each floor.
+  [[nodiscard]] std::vector<Monitor> monitors() const override;
+  void monitor(std::span<double> values) const RTHS_REALTIME override;
+
   /// Begins a step. @returns the bearing's target displacement at its end: long, lat [m]  @realtime
   Eigen::Vector2d predict() RTHS_REALTIME;
   /// Ends the step.
@@ -61,7 +70,6 @@ class PlantAnalysis {
   /// @realtime
   void correct(const Eigen::Vector2d& bearing_force, double vertical_force = 0) RTHS_REALTIME;
 
-  [[nodiscard]] double time() const { return time_; }  ///< end of the step [s]
   /// Compression added to one bearing by the vertical motion and by overturning, at the end of the
   /// step begun [N]; bounded below by minus the weight (uplift).
   [[nodiscard]] double vertical_force() const { return vertical_force_; }
@@ -102,24 +110,5 @@ class PlantAnalysis {
   double vertical_force_ = 0;                             ///< target [N]
   Eigen::VectorXd vertical_restoring_, vertical_load_;    ///< 1 × 1 [N]
 };
-
-/// Response of a plant, one sample per step.
-struct ResponseHistory {
-  double time_step = 0;                                     ///< [s]
-  std::vector<double> displacement_long, displacement_lat;  ///< of the bearing [m]
-  std::vector<double> force_long, force_lat;                ///< of one bearing [N]
-  struct Floor {
-    std::string name;
-    std::vector<double> acceleration_long, acceleration_lat;  ///< absolute [m/s²]
-  };
-  std::vector<Floor> floors;
-};
-
-/// The complete analysis with a bearing model instead of a specimen: the purely numerical result.
-/// @param bearing  under its static load plus the vertical motion's contribution
-/// @param duration  [s]   @setup
-[[nodiscard]] ResponseHistory numerical_response(const PlantMatrices& plant,
-                                                 const GroundMotion& motion, const Bearing& bearing,
-                                                 double time_step, double duration);
 
 }  // namespace rths::sim

@@ -14,7 +14,7 @@ namespace rths::budget {
 /// The mismatch of one axis: difference between the response of the test and of its simulation.
 struct AxisBudget {
   std::string name;               ///< "long", "lat"
-  TransferSystem transfer;        ///< as identified
+  AxisTransfer transfer;          ///< as identified
   std::vector<double> measured;   ///< targets of the test, by integration step [m]
   std::vector<double> simulated;  ///< every part as simulated [m]
   std::vector<double> improved;   ///< every part as identified [m]

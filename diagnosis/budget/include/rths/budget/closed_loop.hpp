@@ -10,11 +10,11 @@
 #include <Eigen/Core>
 
 #include <rths/budget/transfer_system.hpp>
-#include <rths/controller/force_observer.hpp>
 #include <rths/controller/inverse_lead.hpp>
 #include <rths/controller/predictor_corrector.hpp>
-#include <rths/controller/table_force.hpp>
 #include <rths/controller/target_force.hpp>
+#include <rths/loop/force_feedback.hpp>
+#include <rths/loop/tick_order.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/test_machine.hpp>
@@ -53,61 +53,6 @@ struct SentInverse {
 /// leads: none.
 using Compensation = std::variant<std::vector<Lead>, SentInverse>;
 
-/// The correction of the measured force by equation 1 of the paper.
-struct MachineForceCorrection {
-  std::array<controller::MachineForce, 2> machine;  ///< force that it subtracts, by axis
-  int slope_samples = 32;
-};
-/// The correction that knows load-dependent and presliding friction.
-struct TableForceCorrection {
-  std::array<controller::TableForce, 2> machine;  ///< force that it subtracts, by axis
-  controller::TableObserverSettings settings;
-};
-/// Empty: the table force is fed back.
-using ForceCorrection = std::variant<std::monostate, MachineForceCorrection, TableForceCorrection>;
-
-/// Times of the ticks of a node, since a common start [s].
-struct TickTimes {
-  std::vector<double> begin;  ///< the node reads its inputs
-  std::vector<double> end;    ///< its outputs are written
-  /// Ticks that were made after their time, with the inputs of their time, and when they were due.
-  /// Their outputs count from then on for other such ticks. Both may be empty.
-  std::vector<bool> missed = {};  // NOLINT(readability-redundant-member-init)
-  std::vector<double> due = {};   // NOLINT(readability-redundant-member-init)
-
-  [[nodiscard]] bool is_missed(std::size_t tick) const {
-    return tick < missed.size() && missed[tick];
-  }
-};
-
-/// The order in which controller and machine made their ticks. Ticks beyond the vectors, and all if
-/// they are empty, are on time: in each period, the machine moves before the controller.
-struct TickOrder {
-  std::vector<std::size_t> machine_before;     ///< ticks of the machine, by tick of the controller
-  std::vector<std::size_t> controller_before;  ///< ticks of the controller, by tick of the machine
-  std::vector<bool> missed;                    ///< by tick of the controller: its command waited
-
-  [[nodiscard]] std::size_t machine_ticks(std::size_t controller_tick) const {
-    return controller_tick < machine_before.size() ? machine_before[controller_tick]
-                                                   : controller_tick + 1;
-  }
-  [[nodiscard]] std::size_t controller_ticks(std::size_t machine_tick) const {
-    return machine_tick < controller_before.size() ? controller_before[machine_tick] : machine_tick;
-  }
-  [[nodiscard]] bool is_missed(std::size_t controller_tick) const {
-    return controller_tick < missed.size() && missed[controller_tick];
-  }
-};
-
-/// @returns an empty order if all ticks were on time   @setup
-[[nodiscard]] TickOrder order_of(const TickTimes& machine, const TickTimes& controller);
-
-/// The tick of the controller in which a target arrived: one from first to last. A recording with
-/// missing rows does not tell which.
-struct Arrival {
-  std::size_t first = 0, last = 0;
-};
-
 /// Noise of the sensors of one axis, by tick of the machine, as recorded; may be empty.
 struct MeasuredNoise {
   std::vector<double> displacement;  ///< [m]
@@ -118,7 +63,7 @@ struct MeasuredNoise {
 /// The machine with the load-dependent friction that the correction subtracts, if it has none of
 /// its own.   @setup
 [[nodiscard]] sim::TestMachine with_known_friction(sim::TestMachine machine,
-                                                   const ForceCorrection& correction);
+                                                   const loop::ForceCorrection& correction);
 
 /// A hybrid test with two horizontal axes, each part as simulated and as identified.
 struct HybridTest {
@@ -136,18 +81,13 @@ struct HybridTest {
   double rate = 1;                                 ///< wall time over model time
   controller::PredictorCorrectorSettings command;  ///< its targets carry no rates
   std::array<int, 2> sampling_delay{};  ///< of the feedback behind the command [substeps]
-  /// Controller ticks from "at target" to the arrival of the next target on a host that is never
-  /// late, by step; the last value holds for later steps.
-  std::vector<int> computing;
-  std::size_t first_target = 1;  ///< controller tick in which the first target arrives
-
-  // Host, as identified
-  TickOrder order;
-  std::vector<Arrival> arrivals;  ///< by target; later targets arrive after `computing`
+  /// Order and arrivals as identified. The times of computing are those of a host that is never
+  /// late.
+  loop::Host host;
 
   // Controller
   double period = 0.001;  ///< wall time [s]
-  ForceCorrection correction;
+  loop::ForceCorrection correction;
   /// Correction for the tracking error; acts if that is as identified.
   std::optional<controller::TargetForceSettings> target_force;
   /// It takes the displacement that waits for the accelerometer, like the corrected force.

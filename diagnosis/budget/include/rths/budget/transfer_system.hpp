@@ -33,7 +33,7 @@ struct TransferParameter {
 ///
 /// F_f is the slow force that the valve's feedback leaves out; F_f = 0 if ω_f = 0.
 /// F is the measured force, so neither specimen nor platen enters. Source: Merritt (1967).
-struct TransferSystem {
+struct AxisTransfer {
   double gain = 20;              ///< K [1/s]
   double transport_delay = 0;    ///< τ [s]
   double valve_frequency = 15;   ///< ω/2π [Hz]
@@ -61,21 +61,21 @@ struct TransferSystem {
 
 /// Displacement of a transfer system at rest at first, under the reference and force of a record
 /// [m].   @setup
-[[nodiscard]] std::vector<double> predicted(const TransferSystem& system,
+[[nodiscard]] std::vector<double> predicted(const AxisTransfer& system,
                                             const TransferRecord& record);
 
 /// RMS of measured less predicted displacement over the RMS of the displacement [-].   @setup
-[[nodiscard]] double error_on(const TransferSystem& system, const TransferRecord& record);
+[[nodiscard]] double error_on(const AxisTransfer& system, const TransferRecord& record);
 
 /// Identifies a transfer system by its output error, on every other two seconds of a record. The
 /// seconds between serve for the score.
 /// @throws Error if the record is shorter than 8 s, its signals differ in length, or the reference
 ///         does not move   @setup
-[[nodiscard]] TransferSystem identify_transfer(const TransferRecord& record);
+[[nodiscard]] AxisTransfer identify_transfer(const TransferRecord& record);
 
 /// A servo-hydraulic axis that moves like a transfer system. Its valve saturates at no velocity
 /// that the axis can reach.
 /// @param axis  limits, supply pressure, mass and offset   @setup
-[[nodiscard]] sim::ServoAxis servo_axis(const TransferSystem& system, sim::ServoAxis axis);
+[[nodiscard]] sim::ServoAxis servo_axis(const AxisTransfer& system, sim::ServoAxis axis);
 
 }  // namespace rths::budget

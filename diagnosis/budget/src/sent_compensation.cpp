@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "compensator.hpp"
+#include "sent_compensation.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -14,20 +14,19 @@ const Value& at(const std::vector<Value>& by_tick, std::size_t tick) {
 
 }  // namespace
 
-Compensator::Compensator(const HybridTest& test, bool acts) : test_{test}, acts_{acts} {
+SentCompensation::SentCompensation(const HybridTest& test) : test_{test} {
   for (std::size_t i = 0; i < inverse_.size(); ++i)
     if (const auto* sent = std::get_if<SentInverse>(&test.compensation[i]))
       inverse_[i].emplace(sent->settings);
 }
 
-Eigen::Vector2d Compensator::operator()(std::size_t tick, const Command& command,
-                                        const Eigen::Vector2d& force) {
-  if (!acts_) return command.displacement;
+Eigen::Vector2d SentCompensation::operator()(std::size_t tick, const loop::Command& command,
+                                             const Eigen::Vector2d& force) {
   return {reference_of(0, tick, command, force[0]), reference_of(1, tick, command, force[1])};
 }
 
-double Compensator::reference_of(std::size_t axis, std::size_t tick, const Command& command,
-                                 double force) {
+double SentCompensation::reference_of(std::size_t axis, std::size_t tick,
+                                      const loop::Command& command, double force) {
   const auto i = static_cast<Eigen::Index>(axis);
   const double x = command.displacement[i];
   if (const auto* sent = std::get_if<SentInverse>(&test_.compensation[axis])) {

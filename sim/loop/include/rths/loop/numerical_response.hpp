@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <rths/sim/plant_analysis.hpp>
+
+namespace rths::loop {
+
+/// Response of a plant, one sample per step.
+struct ResponseHistory {
+  double time_step = 0;                                     ///< [s]
+  std::vector<double> displacement_long, displacement_lat;  ///< of the bearing [m]
+  std::vector<double> force_long, force_lat;                ///< of one bearing [N]
+  struct Floor {
+    std::string name;
+    std::vector<double> acceleration_long, acceleration_lat;  ///< absolute [m/s²]
+  };
+  std::vector<Floor> floors;
+
+  /// Without samples.   @setup
+  ResponseHistory(const sim::PlantMatrices& plant, double time_step);
+  ResponseHistory() = default;
+  void append_displacement(const Eigen::Vector2d& displacement);
+  void append_floors(const sim::PlantAnalysis& analysis);
+};
+
+/// The complete analysis with a bearing model instead of a specimen: the purely numerical result.
+/// @param bearing  under its static load plus the vertical motion's contribution
+/// @param duration  [s]   @setup
+[[nodiscard]] ResponseHistory numerical_response(const sim::PlantMatrices& plant,
+                                                 const sim::GroundMotion& motion,
+                                                 const sim::Bearing& bearing, double time_step,
+                                                 double duration);
+
+}  // namespace rths::loop
