@@ -43,7 +43,7 @@ rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horiz
 # Others that take long.
 rths_long(rths_judgement_test unit "Smallest\\.FaultThatIsFound")
 rths_long(rths_commissioning_command_test system "^(BeforeATestPage\\.HasCommands|Machines/PretestOfExample)")
-rths_long(rths_platen_test system "^SrmdBench\\.DoesNotRepeat")
+rths_long(rths_bench_command_test system "^SrmdBench\\.DoesNotRepeat")
 
 # All tests of the cards: ctest -L scramnet
 foreach(program rths_replicated_test rths_scramnet_card_test)

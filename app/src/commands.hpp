@@ -3,33 +3,22 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include <rths/command_line/program.hpp>
+
 namespace rths::experiment {
 struct Experiment;
 }
 
 namespace rths::app {
 
-/// The chosen subcommand; runs after the command line is parsed.
-using Chosen = std::function<int()>;
-
-/// Exit codes of the command.
-enum ExitCode { kOk = 0, kConditionNotMet = 1, kFailure = 2, kUsage = 3 };
-
 /// Changes to an experiment file: dotted key, value.
 using Changes = std::vector<std::pair<std::string, std::string>>;
-
-/// A thousand times it is still a number of 64 bits.
-inline constexpr std::int64_t kLargestSeed = 1'000'000'000'000'000;
 
 struct RunArguments {
   std::string experiment;
@@ -167,18 +156,6 @@ struct SendArguments {
 };
 [[nodiscard]] int send(const SendArguments& arguments);
 
-struct RingBenchArguments {
-  int cycles = 9;
-  std::uint32_t round_trips = 50'000;
-  std::uint64_t seed = 1;
-  std::vector<std::string> rows;  ///< empty: all
-  std::string keep;               ///< folder for finished cycles; empty: none
-  bool json = false;
-};
-/// @returns 0 if all gates pass, 1 if inconclusive on this host, 2 if a gate fails
-[[nodiscard]] int bench_ring(const RingBenchArguments& arguments);
-[[nodiscard]] std::vector<std::string> bench_rows();
-
 struct LoopArguments {
   std::string bearing;     ///< file, or name of a built-in bearing
   double amplitude = 0.2;  ///< [m]
@@ -208,14 +185,6 @@ struct FaultArguments {
 /// Causes a fault of the cards of a running replicated ring.
 [[nodiscard]] int fault(const FaultArguments& arguments);
 
-struct CardBenchArguments {
-  int passes = 5;
-  double seconds = 0.5;  ///< computing time of a pass [s]
-  bool json = false;
-};
-/// Measures how fast cards in virtual time are computed.
-[[nodiscard]] int bench_card(const CardBenchArguments& arguments);
-
 struct TermsArguments {
   std::vector<std::string> names;  ///< empty: all
   std::string format = "text";     ///< text, markdown, or json, one object per line
@@ -224,90 +193,9 @@ struct TermsArguments {
 /// Prints or draws the catalogue of terms.
 [[nodiscard]] int terms(const TermsArguments& arguments);
 
-struct BearingBenchArguments {
-  int passes = 9;
-  int steps = 30'000;    ///< per pass
-  std::string opensees;  ///< Python with OpenSees; empty: that of the tests, if installed
-  bool json = false;
-};
-/// @returns 0 if all goals are met, 1 if inconclusive on this host, 2 if a goal is missed
-[[nodiscard]] int bench_bearings(const BearingBenchArguments& arguments);
-
-struct SrmdBenchArguments {
-  int draws = 2;         ///< members of the machine's family besides the nominal one
-  int records = 3;       ///< ground motions
-  double duration = 30;  ///< of a test [s]
-  int jobs = 1;          ///< tests at one time
-  /// File for the results; empty: none. Finished tests of an interrupted run are in
-  /// `<json>.partial`
-  std::string json;
-};
-/// Runs hybrid tests on the machine with six degrees of freedom, in virtual time. @returns 0
-[[nodiscard]] int bench_srmd(const SrmdBenchArguments& arguments);
-
-struct DiagnosisBenchArguments {
-  int cases = 400;                    ///< of all families together
-  std::vector<std::string> families;  ///< empty: all
-  std::optional<std::uint64_t> seed;  ///< none: from the commit
-  std::string json;                   ///< file for the results; empty: none
-  std::string out;     ///< folder of cases and verdicts; empty: out/bench/diagnosis-<seed>
-  std::string data;    ///< folder of recordings; empty: ../shared/data
-  std::string python;  ///< with OpenSees and NumPy; empty: that of ./lab
-  bool peers = true;   ///< also runs SINDy and FROLS on the cases
-  std::optional<int> peer_cases;   ///< the first cases, which the peers get; none: all
-  std::optional<double> required;  ///< share of the detectable cases that must be right
-};
-/// Makes cases that conceal effects, diagnoses them and scores the verdicts.
-/// @returns 0 if all detectable cases are right, 1 if one is wrong, 2 if one could not be made or
-/// diagnosed, or if fewer than the required share are right
-[[nodiscard]] int bench_diagnosis(const DiagnosisBenchArguments& arguments);
-
-struct OpenSeesBenchArguments {
-  int cycles = 9;
-  int round_trips = 2'000;  ///< per kind and cycle
-  bool json = false;
-};
-/// @returns 0 if the gate passes, 1 if inconclusive on this host, 2 if it fails
-[[nodiscard]] int bench_opensees(const OpenSeesBenchArguments& arguments);
-
-struct BridgeBenchArguments {
-  int cycles = 5;
-  std::uint32_t updates = 2'000'000;  ///< of each cycle
-  std::uint32_t domain = 211;         ///< of DDS
-  bool json = false;
-};
-/// @returns 0 if all gates pass, 1 if inconclusive on this host, 2 if a gate fails
-[[nodiscard]] int bench_bridge(const BridgeBenchArguments& arguments);
-
-struct ForceBenchArguments {
-  int seeds = 100;
-  bool json = false;
-};
-/// @returns 0 if all goals are met, 2 if one is missed
-[[nodiscard]] int bench_force(const ForceBenchArguments& arguments);
-
-struct VerticalBenchArguments {
-  int draws = 200;
-  double duration = 30;  ///< of the command [s]
-  bool json = false;
-};
-/// @returns 0 if all goals are met, 2 if one is missed
-[[nodiscard]] int bench_vertical(const VerticalBenchArguments& arguments);
-
-/// Of `rths bench`.
-struct BenchmarkArguments {
-  RingBenchArguments ring;
-  BearingBenchArguments bearings;
-  SrmdBenchArguments srmd;
-  CardBenchArguments card;
-  OpenSeesBenchArguments opensees;
-  BridgeBenchArguments bridge;
-  DiagnosisBenchArguments diagnosis;
-  ForceBenchArguments force;
-  VerticalBenchArguments vertical;
-};
-/// Adds `bench` and its commands.
-void add_bench(CLI::App& app, BenchmarkArguments& arguments, Chosen& chosen);
+/// Becomes rths-bench, the program of the benchmarks beside this one, if the words are `bench …` or
+/// complete such words. @throws Error if it is not there
+void become_bench(const std::vector<std::string>& words);
 
 struct DiagnoseArguments {
   std::string case_or_recording;     ///< folder of a case or of a run, or a recording

@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include <rths/app/builtin_adapters.hpp>
+#include <rths/command_line/write_file.hpp>
 #include <rths/commissioning/calibration.hpp>
 #include <rths/commissioning/delay_report.hpp>
 #include <rths/commissioning/empty_table_run.hpp>
@@ -20,7 +21,6 @@
 #include "commands.hpp"
 #include "run_folder.hpp"
 #include "temporary_folder.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 namespace {

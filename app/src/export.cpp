@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/recording/excerpt.hpp>
@@ -10,7 +11,6 @@
 
 #include "commands.hpp"
 #include "patterns.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
@@ -15,7 +16,6 @@
 
 #include "commands.hpp"
 #include "scaled.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 namespace {

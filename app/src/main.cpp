@@ -1,56 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <filesystem>
-#include <functional>
-#include <optional>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
+#include <rths/command_line/program.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/interrupted.hpp>
+#include <rths/core/installed_files.hpp>
 #include <rths/core/key_value.hpp>
-#include <rths/core/message.hpp>
+#include <rths/recording/recording.hpp>
 
-#include "command_line.hpp"
 #include "commands.hpp"
+#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
-
-void print_error(const std::string& text) { write_message(fmt::format("rths: {}\n", text)); }
-
-// A closed standard stream would get the number of the next file that is opened, which messages
-// would then overwrite.
-void open_standard_streams() {
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
-    if (fcntl(stream, F_GETFD) < 0)  // NOLINT(cppcoreguidelines-pro-type-vararg)
-      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
-      static_cast<void>(open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY));
-}
-
-// Why a command ended that could not write its results to standard output, or failed otherwise.
-std::string reason_of(const std::exception& error) {
-  const auto* system = dynamic_cast<const std::system_error*>(&error);
-  if (system == nullptr || std::ferror(stdout) == 0) return error.what();
-  return "standard output cannot be written: " + system->code().message();
-}
 
 /// Values of all options; must outlive the parser.
 struct Arguments {
   RunArguments run;
   NodeArguments node;
   ExportArguments table;
-  BenchmarkArguments bench;
   LoopArguments loop;
   TermsArguments terms;
   RingCommandArguments rings;
@@ -283,27 +256,31 @@ void add_report(CLI::App& app, Arguments& a, Chosen& chosen) {
   command->callback([&] { chosen = [&a] { return report(a.folder, a.beside); }; });
 }
 
-// For the shell's completion and for the installation; not in the help.
-std::optional<int> run_hidden(const CLI::App& app, const std::vector<std::string>& words) {
-  if (words.empty() || (words[0] != "complete" && words[0] != "manual")) return std::nullopt;
-  if (words[0] == "manual")
-    fmt::print("{}", manual_page(app, version()));
-  else
-    fmt::print("{}\n", fmt::join(completions(app, {words.begin() + 1, words.end()}), "\n"));
-  return kOk;
+// Names of a ring's or a recording's signals.
+std::vector<std::string> signals_of(const std::string& source) {
+  try {
+    if (std::filesystem::exists(source)) return recording::Reader{recording_in(source)}.names();
+    return broker::Ring::attach(source).map().signal_names();
+  } catch (const Error&) {
+    return {};
+  }
 }
 
-// The help of the innermost command that was given.
-std::string usage_hint(const CLI::App& app) {
-  std::string command = app.get_name();
-  for (const auto* inner = &app; !inner->get_subcommands().empty();) {
-    inner = inner->get_subcommands().front();
-    command += " " + inner->get_name();
-  }
-  return fmt::format("; see {} --help", command);
+std::vector<std::string> candidates_for(const std::string& option, const std::string& source) {
+  if (option == "signals") return signals_of(source);
+  if (option == "map") return built_in_names("maps");
+  if (option == "bearing") return built_in_names("bearings");
+  std::vector<std::string> candidates;
+  if (option == "assignments")
+    for (const auto& name : signals_of(source)) candidates.push_back(name + "=");
+  if (option == "ring" || option == "source")
+    for (const auto& ring : broker::list_rings()) candidates.push_back(ring.name);
+  return candidates;
 }
 
 int parse_and_run(int argc, char** argv) {
+  become_bench({argv + 1, argv + argc});
+  broker::on_lost_memory(broker::OnLostMemory::Exit);
   CLI::App app{"A software SCRAMNet+ ring, and the hybrid-simulation laboratory on it."};
   app.name("rths");
   app.require_subcommand(1);
@@ -314,30 +291,9 @@ int parse_and_run(int argc, char** argv) {
                          add_loop, add_terms, add_map, add_plugins, add_test})
     add(app, arguments, chosen);
   add_ring_commands(app, arguments.rings, chosen);
-  add_bench(app, arguments.bench, chosen);
+  app.add_subcommand("bench", "Run a benchmark on this host, with rths-bench(1) where it is built");
   add_commissioning(app, arguments.before, chosen);
-  refuse_nan(app);
-  const std::vector<std::string> words{argv + 1, argv + argc};
-  if (const auto result = run_hidden(app, words)) return *result;
-  try {
-    check_command_names(app, words);
-    app.parse(argc, argv);
-  } catch (const Error& error) {
-    print_error(error.what());
-    return kUsage;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // help or version
-    print_error(printable(error.what()) + usage_hint(app));
-    return kUsage;
-  }
-  return chosen();
-}
-
-// The exit code of a command whose standard output may be lost: a full disk.
-int with_output(int code) {
-  if (std::fflush(stdout) == 0 && std::ferror(stdout) == 0) return code;
-  print_error(std::string{"standard output cannot be written: "} + std::strerror(errno));
-  return code == kOk ? kFailure : code;
+  return run({app, chosen, version(), candidates_for}, argc, argv);
 }
 
 }  // namespace
@@ -355,21 +311,5 @@ Changes split_changes(const std::vector<std::string>& sets) {
 }  // namespace rths::app
 
 int main(int argc, char** argv) {
-  try {
-    rths::app::open_standard_streams();
-    rths::broker::on_lost_memory(rths::broker::OnLostMemory::Exit);
-    return rths::app::with_output(rths::app::parse_and_run(argc, argv));
-  } catch (const rths::Interrupted& interrupted) {
-    rths::app::print_error(interrupted.what());
-    return rths::app::kConditionNotMet;
-  } catch (const rths::Error& error) {
-    rths::app::print_error(error.what());
-    return rths::app::kFailure;
-  } catch (const std::filesystem::filesystem_error& error) {
-    rths::app::print_error(rths::printable(error.path1().string() + ": " + error.code().message()));
-    return rths::app::kFailure;
-  } catch (const std::exception& error) {
-    rths::app::print_error(rths::printable(rths::app::reason_of(error)));
-    return rths::app::kFailure;
-  }
+  return rths::app::guarded("rths", [&] { return rths::app::parse_and_run(argc, argv); });
 }

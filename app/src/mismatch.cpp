@@ -11,6 +11,7 @@
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/launch/run.hpp>
@@ -19,7 +20,6 @@
 #include <rths/session/hybrid_test.hpp>
 
 #include "improvements.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 namespace {

@@ -7,13 +7,13 @@
 
 #include <fmt/format.h>
 
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
 
 #include "commands.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 namespace {

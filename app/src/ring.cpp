@@ -6,11 +6,11 @@
 
 #include <rths/broker/ring.hpp>
 #include <rths/card/shared_cards.hpp>
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/error.hpp>
 #include <rths/replicated/images.hpp>
 
 #include "commands.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 namespace {

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/command_line/write_file.hpp>
 #include <rths/report/drawing.hpp>
 #include <rths/sim/loop_test.hpp>
 
 #include "commands.hpp"
 #include "scaled.hpp"
-#include "write_file.hpp"
 
 namespace rths::app {
 namespace {

@@ -104,5 +104,39 @@ TEST(BenchRing, ExitsWithThreeOnWrongArguments) {
   EXPECT_EQ(run_rths({"bench", "ring", "--cycles", "0"}).exit_code, 3);
 }
 
+TEST(BenchCommand, HasHelpForEveryBenchmark) {
+  for (const char* bench : {"ring", "bearings", "srmd", "card", "opensees", "bridge", "diagnosis",
+                            "force", "vertical"}) {
+    const Finished help = run_rths({"bench", bench, "--help"});
+    EXPECT_EQ(help.exit_code, 0) << bench;
+    EXPECT_NE(help.out.find("--json"), std::string::npos) << bench;
+  }
+}
+
+TEST(BenchCommand, ReportsWrongUsageInOneLineWithTheHelpToRead) {
+  const Finished misspelt = run_rths({"bench", "rnig"});
+  EXPECT_EQ(misspelt.exit_code, 3);
+  EXPECT_EQ(misspelt.err.rfind("rths bench: there is no command 'rnig' (did you mean 'ring'?)", 0),
+            0U)
+      << misspelt.err;
+  const Finished wrong = run_rths({"bench", "ring", "--no-such"});
+  EXPECT_NE(wrong.err.find("; see rths bench ring --help\n"), std::string::npos) << wrong.err;
+}
+
+TEST(BenchCommand, IsCompletedByTheShell) {
+  EXPECT_EQ(run_rths({"complete", "ben"}).out, "bench\n");
+  EXPECT_EQ(run_rths({"complete", "bench", "be"}).out, "bearings\n");
+  EXPECT_EQ(run_rths({"complete", "bench", "card", "--pa"}).out, "--passes\n");
+  EXPECT_EQ(run_rths({"complete", "bench", "ring", "--row", "raw_"}).out, "raw_pause\n");
+}
+
+TEST(BenchCommand, HasAManualPage) {
+  const std::string program = test::rths_command() + "-bench";
+  const std::string page = test::Running{{program, "manual"}}.wait().out;
+
+  EXPECT_EQ(page.rfind(".TH RTHS-BENCH 1", 0), 0U);
+  EXPECT_NE(page.find(".SS rths bench ring"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace rths

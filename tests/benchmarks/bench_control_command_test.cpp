@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The benches of control as a script uses them; few machines, so the goals are not judged here.
+// Benches in virtual time as a script uses them; few machines, so the goals are not judged here.
 #include <sys/stat.h>
 
 #include <gtest/gtest.h>
@@ -58,6 +58,29 @@ TEST(BenchResults, ReplaceARegularFileOnly) {
                 std::string::npos)
           << run.err;
     }
+}
+
+TEST(BenchResults, ReplaceNoRecording) {
+  const test::TemporaryFolder folder;
+  const std::string file = folder.write("run.h5", "\x89HDF\r\n\x1a\n").string();
+
+  const auto run = run_rths({"bench", "srmd", "--json", file}, 20);
+
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(run.err.find("run.h5: is a recording, expected another file"), std::string::npos)
+      << run.err;
+}
+
+TEST(BenchCard, WritesOneJsonDocument) {
+  const auto run = run_rths({"bench", "card", "--json", "--passes", "1", "--seconds", "0.1"});
+  ASSERT_GE(run.exit_code, 0) << run.err;
+  ASSERT_LE(run.exit_code, 1) << run.err;
+  const auto document = json::parse(run.out);
+  ASSERT_EQ(document["rows"].size(), 6U);
+  for (const auto& row : document["rows"]) {
+    EXPECT_GT(row["hops_per_s"], 0);
+    EXPECT_GT(row["megabytes_per_s"], 0);
+  }
 }
 
 }  // namespace

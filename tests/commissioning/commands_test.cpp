@@ -100,8 +100,7 @@ TEST(IdentifyCommand, WritesConstantsThatTheControllerReads) {
   const auto file = (run / "run.h5").string(), before = test::content_of(file);
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"identify", "empty-table", file, "--out", file},
-        {"calibrate", file, "--out", file},
-        {"bench", "srmd", "--json", file}})
+        {"calibrate", file, "--out", file}})
     expect_refused(command, "run.h5: is a recording, expected another file");
   EXPECT_TRUE(test::content_of(file) == before);
   expect_refused({"identify", "empty-table", run.string(), file}, "run.h5: is given twice");

@@ -49,12 +49,26 @@ TEST(Command, PrintsNoControlCharactersOfNames) {
 
 TEST(Command, HasHelpForEverySubcommand) {
   for (const char* command : {"run", "check", "dump", "export", "who", "watch", "fault", "send",
-                              "bench", "loop", "terms", "map", "report", "doctor", "clean"}) {
+                              "loop", "terms", "map", "report", "doctor", "clean"}) {
     const Finished help = run_rths({command, "--help"});
     EXPECT_EQ(help.exit_code, 0) << command;
     EXPECT_GT(lines(help.out), 2) << command;
   }
   EXPECT_EQ(run_rths({"--version"}).exit_code, 0);
+}
+
+TEST(Command, SaysHowToGetTheBenchmarks) {
+  const test::TemporaryFolder folder;
+  const auto alone = folder.path() / "rths";
+  std::filesystem::copy_file(test::rths_command(), alone);
+
+  const Finished bench = test::Running{{alone.string(), "bench", "ring"}}.wait();
+
+  EXPECT_EQ(bench.exit_code, 2);
+  EXPECT_EQ(bench.err, "rths: " + alone.string() +
+                           "-bench: No such file or directory, expected the program of the "
+                           "benchmarks there; ./lab rths bench builds it, as does cmake with "
+                           "-DRTHS_BENCHMARKS=ON\n");
 }
 
 TEST(Command, ReportsAFailureInOneLine) {

@@ -89,9 +89,8 @@ TEST(FirstContact, CompletesTheNamesOfRings) {
 TEST(FirstContact, HasAManualPageOfAllCommandsInTheHelp) {
   const std::string page = run_rths({"manual"}).out;
   EXPECT_EQ(page.rfind(".TH RTHS 1", 0), 0U);
-  for (const char* command :
-       {"run", "check", "dump", "export", "who", "watch", "send", "bench ring", "loop", "terms",
-        "diagnose", "map list", "report", "doctor", "clean"})
+  for (const char* command : {"run", "check", "dump", "export", "who", "watch", "send", "bench",
+                              "loop", "terms", "diagnose", "map list", "report", "doctor", "clean"})
     EXPECT_NE(page.find(std::string{".SS rths "} + command), std::string::npos) << command;
   EXPECT_EQ(page.find(".SS rths node"), std::string::npos) << "is for the launcher";
   EXPECT_NE(page.find("\\-\\-clock wall|virtual"), std::string::npos);

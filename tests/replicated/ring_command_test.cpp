@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// `rths ring` and `rths bench card` as a user runs them.
+// `rths ring` as a user runs it.
 #include <chrono>
 #include <filesystem>
 
@@ -97,18 +97,6 @@ TEST(FaultCommand, SaysWhyItCausesNoFault) {
             std::string::npos)
       << of_nobody.err;
   EXPECT_EQ(run_rths({"fault", name, "power_off"}).exit_code, 2);
-}
-
-TEST(BenchCard, WritesOneJsonDocument) {
-  const auto run = run_rths({"bench", "card", "--json", "--passes", "1", "--seconds", "0.1"});
-  ASSERT_GE(run.exit_code, 0) << run.err;
-  ASSERT_LE(run.exit_code, 1) << run.err;
-  const auto document = nlohmann::json::parse(run.out);
-  ASSERT_EQ(document["rows"].size(), 6U);
-  for (const auto& row : document["rows"]) {
-    EXPECT_GT(row["hops_per_s"], 0);
-    EXPECT_GT(row["megabytes_per_s"], 0);
-  }
 }
 
 }  // namespace

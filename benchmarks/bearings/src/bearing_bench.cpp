@@ -50,7 +50,8 @@ BearingResult measure(const Specimen& specimen, const BearingOptions& options, d
   const Shaking beginning{shaking.begin(), shaking.begin() + std::min(options.steps, 2'000)};
   result.in_loop = loop_time(composition, beginning, kBearingsOfPlant, tick);
   report("OpenSees");
-  const Shaking theirs = earthquake(specimen.demand, options.opensees_steps);
+  const Shaking theirs =
+      earthquake(specimen.demand, std::min(options.opensees_steps, options.steps));
   result.opensees =
       opensees_times({options.python, options.script}, specimen.opensees, theirs, kTimeStep);
   return result;

@@ -86,7 +86,7 @@ class NearSide {
     return kImageSamples * static_cast<double>(kImageSample) / to_seconds(clock_.now() - begun);
   }
   /// Writes through the ring. @returns updates per second
-  double write(std::uint32_t count, BridgeBenchReport& report) {
+  double write(std::uint32_t count, BridgeReport& report) {
     const auto before = open_.gateway().counts();
     const std::uint64_t sent = before.updates_sent;
     samples_.send({Message::kFollow, tag_ + count});
@@ -131,7 +131,7 @@ class NearSide {
     }
     return times;
   }
-  void measure_load(BridgeBenchReport& report) {
+  void measure_load(BridgeReport& report) {
     const double before = processor_time();
     samples_.send({Message::kRest, kLoadSteps});
     const TimePoint begun = clock_.now();
@@ -167,7 +167,7 @@ class NearSide {
 };
 
 // The second process opens its ring of 8 MiB to the network, and gets the whole image. @returns [s]
-double measure_resync(Samples& samples, std::uint32_t domain, BridgeBenchReport& report) {
+double measure_resync(Samples& samples, std::uint32_t domain, BridgeReport& report) {
   OpenRing open{"image", "near", image_map(), domain};
   broker::Node near = open.ring().join("near", 0);
   for (std::uint32_t i = 0; i < kImageLongwords; ++i)
@@ -182,7 +182,7 @@ double measure_resync(Samples& samples, std::uint32_t domain, BridgeBenchReport&
   return answer.seconds;
 }
 
-void measure(const BridgeBenchOptions& options, BridgeBenchReport& report) {
+void measure(const BridgeOptions& options, BridgeReport& report) {
   Samples samples{options.domain};
   // The first message waits until the two processes have found each other.
   std::this_thread::sleep_for(std::chrono::seconds{1});
@@ -216,7 +216,7 @@ void measure(const BridgeBenchOptions& options, BridgeBenchReport& report) {
   samples.send({Message::kEnd});
 }
 
-GateResult result_of(const BridgeBenchReport& report) {
+GateResult result_of(const BridgeReport& report) {
   if (report.lost > 0 || report.reordered > 0) return GateResult::Fail;
   if (!report.troubles.empty()) return GateResult::Inconclusive;
   const bool holds =
@@ -226,8 +226,8 @@ GateResult result_of(const BridgeBenchReport& report) {
 
 }  // namespace
 
-BridgeBenchReport run_bridge_bench(const BridgeBenchOptions& options) {
-  BridgeBenchReport report;
+BridgeReport run_bridge_bench(const BridgeOptions& options) {
+  BridgeReport report;
   report.machine = describe_machine();
   report.cycles = options.cycles;
   if (!report.machine.chosen) {

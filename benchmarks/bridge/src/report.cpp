@@ -16,7 +16,7 @@ Json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", ti
 
 }  // namespace
 
-std::string to_json(const BridgeBenchReport& r) {
+std::string to_json(const BridgeReport& r) {
   const Json updates = {{"name", "updates"},
                         {"updates_per_s", r.updates_per_s},
                         {"samples_per_s", r.samples_per_s},
@@ -47,7 +47,7 @@ std::string to_json(const BridgeBenchReport& r) {
   return whole.dump(2) + "\n";
 }
 
-std::string to_text(const BridgeBenchReport& r) {
+std::string to_text(const BridgeReport& r) {
   std::string text = to_text(r.machine);
   text += fmt::format(
       "\nupdates  {:.2f} million/s, bare samples {:.3f} million/s: {:.0f} times (goal {:g}, gate "

@@ -139,7 +139,7 @@ ForceReport run_force_bench(const ForceOptions& options) {
   report.cutoff = kCutoff;
   for (const auto& parameter : kParameters) report.parameters.push_back({parameter.name});
   for (int seed = 1; seed <= options.seeds; ++seed) {
-    if (options.progress) options.progress(seed);
+    if (options.progress) options.progress(fmt::format("{} of {}", seed, options.seeds));
     judge_seed(report, seed);
   }
   const double needed = kCoverageGoal * options.seeds;

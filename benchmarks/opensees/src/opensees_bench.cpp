@@ -136,7 +136,7 @@ std::vector<double> timed(int round_trips, const Trip& trip) {
   return nanoseconds;
 }
 
-TripResult trips_over(Transport transport, const OpenSeesBenchOptions& options, const Cpus& cpus) {
+TripResult trips_over(Transport transport, const OpenSeesOptions& options, const Cpus& cpus) {
   const PingPong bare{transport, sizeof(Message), cpus.far};
   const std::uint16_t port = free_port();
   const Run run{transport, port, options.programs};
@@ -168,8 +168,8 @@ TripResult trips_over(Transport transport, const OpenSeesBenchOptions& options, 
 
 }  // namespace
 
-OpenSeesBenchReport run_opensees_bench(const OpenSeesBenchOptions& options) {
-  OpenSeesBenchReport report;
+OpenSeesReport run_opensees_bench(const OpenSeesOptions& options) {
+  OpenSeesReport report;
   report.machine = describe_machine();
   report.cycles = options.cycles;
   report.round_trips = options.round_trips;

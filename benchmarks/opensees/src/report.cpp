@@ -16,7 +16,7 @@ Json document(const Times& times) { return {{"p50_ns", times.p50}, {"p99_ns", ti
 
 }  // namespace
 
-std::string to_json(const OpenSeesBenchReport& report) {
+std::string to_json(const OpenSeesReport& report) {
   Json trips = Json::array();
   for (const auto& trip : report.trips)
     trips.push_back({{"protocol", trip.protocol},
@@ -38,7 +38,7 @@ std::string to_json(const OpenSeesBenchReport& report) {
   return document.dump(2) + "\n";
 }
 
-std::string to_text(const OpenSeesBenchReport& report) {
+std::string to_text(const OpenSeesReport& report) {
   std::string text = to_text(report.machine);
   text += fmt::format("\n{:<6}{:>14}{:>10}{:>14}{:>10}{:>9}{:>18}{:>9}\n", "", "ring p50 us", "p99",
                       "bare p50 us", "p99", "ratio", "95 %", "p99");

@@ -74,7 +74,7 @@ Json document(const RowResult& result) {
 
 std::string to_json(const Machine& machine) { return document(machine).dump(); }
 
-std::string to_json(const Report& report) {
+std::string to_json(const RingReport& report) {
   Json out = {{"format", kFormat},
               {"result", to_text(report.result)},
               {"troubles", report.troubles},

@@ -31,7 +31,7 @@ std::string line(const RowResult& result) {
       to_text(result.gate_result), result.noisy ? " (noisy)" : "");
 }
 
-std::string table(const Report& report, bool peers) {
+std::string table(const RingReport& report, bool peers) {
   std::string out;
   for (const RowResult& result : report.rows)
     if (result.row.is_peers() == peers) out += line(result);
@@ -57,7 +57,7 @@ std::string to_text(const Machine& machine) {
                      machine.hypervisor ? ", a guest" : "", machine.huge_pages);
 }
 
-std::string to_text(const Report& report) {
+std::string to_text(const RingReport& report) {
   std::string out = to_text(report.machine);
   out += fmt::format(
       "{} cycles of {} round trips; raw {:.0f} ns, quartiles {:.0f} and {:.0f}; "

@@ -23,13 +23,13 @@ Outcome measure(const Row& row, const Workbench& bench) {
 }
 
 Cycle measure_cycle(int number, const std::vector<Row>& rows, const Workbench& bench,
-                    const Options& options) {
+                    const RingOptions& options) {
   Cycle cycle;
   const LoadMeter meter{bench.setup.cpus};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     // Every second cycle in reverse order, so that a drift of the machine favours no row.
     const Row& row = rows[number % 2 == 0 ? i : rows.size() - 1 - i];
-    if (options.progress) options.progress(number, row.name);
+    if (options.progress) options.progress(fmt::format("cycle {}: {}", number + 1, row.name));
     cycle.outcomes[row.name] = measure(row, bench);
   }
   cycle.load = meter.so_far();
@@ -37,7 +37,7 @@ Cycle measure_cycle(int number, const std::vector<Row>& rows, const Workbench& b
 }
 
 std::vector<Cycle> measure_cycles(const std::vector<Row>& rows, const Workbench& bench,
-                                  const Options& options) {
+                                  const RingOptions& options) {
   std::vector<Cycle> cycles;
   for (int number = 0; number < options.cycles; ++number) {
     const CycleFile file{options.keep, number, options.round_trips};
@@ -53,9 +53,9 @@ std::vector<Cycle> measure_cycles(const std::vector<Row>& rows, const Workbench&
 
 }  // namespace
 
-Report run_ring_bench(const Options& options) {
+RingReport run_ring_bench(const RingOptions& options) {
   const std::vector<Row> rows = select_rows(options.rows);
-  Report report;
+  RingReport report;
   report.machine = describe_machine();
   report.round_trips = options.round_trips;
   report.seed = options.seed;

@@ -212,7 +212,7 @@ VerticalReport run_vertical_bench(const VerticalOptions& options) {
   const VerticalCommand command{options.duration};
   for (const Kind& kind : kKinds) report.rows.push_back({kind.name, kind.title, kind.rate, {}});
   for (int draw = 0; draw <= options.draws; ++draw) {
-    if (options.progress) options.progress(draw);
+    if (options.progress) options.progress(fmt::format("{} of {}", draw, options.draws));
     for (std::size_t i = 0; i < report.rows.size(); ++i)
       if (kKinds[i].all_draws || draw <= kFewDraws)
         report.rows[i].draws.push_back(

@@ -11,7 +11,7 @@
 
 namespace rths::bench {
 
-struct BridgeBenchOptions {
+struct BridgeOptions {
   int cycles = 5;
   std::uint32_t updates = 2'000'000;  ///< of each cycle
   std::uint32_t samples = 100'000;    ///< bare samples of each cycle, one word each
@@ -24,7 +24,7 @@ inline constexpr double kUpdatesGoal = 100, kUpdatesGate = 40;
 inline constexpr double kLatencyGoal = 1.15, kLatencyGate = 1.4;
 inline constexpr double kResyncGoal = 2;
 
-struct BridgeBenchReport {
+struct BridgeReport {
   Machine machine;
   int cycles = 0;
   double updates_per_s = 0, samples_per_s = 0;  ///< medians over cycles
@@ -44,10 +44,10 @@ struct BridgeBenchReport {
 
 /// Measures with a second process. Call it before the program has other threads.
 /// @throws Error if DDS cannot start or the second process does not answer   @setup
-[[nodiscard]] BridgeBenchReport run_bridge_bench(const BridgeBenchOptions& options);
+[[nodiscard]] BridgeReport run_bridge_bench(const BridgeOptions& options);
 
 /// The report as one JSON document, or as lines of text.
-[[nodiscard]] std::string to_json(const BridgeBenchReport& report);
-[[nodiscard]] std::string to_text(const BridgeBenchReport& report);
+[[nodiscard]] std::string to_json(const BridgeReport& report);
+[[nodiscard]] std::string to_text(const BridgeReport& report);
 
 }  // namespace rths::bench

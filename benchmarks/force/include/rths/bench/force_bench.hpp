@@ -13,7 +13,7 @@ namespace rths::bench {
 struct ForceOptions {
   int seeds = 100;
   double duration = 40;  ///< of a run [s]
-  std::function<void(int seed)> progress;
+  std::function<void(const std::string& stage)> progress;
 };
 
 /// How often the interval of a parameter covers its true value.

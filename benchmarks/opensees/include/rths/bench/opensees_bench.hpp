@@ -11,7 +11,7 @@
 
 namespace rths::bench {
 
-struct OpenSeesBenchOptions {
+struct OpenSeesOptions {
   int cycles = 9;
   int round_trips = 2'000;         ///< of each kind in each cycle
   std::filesystem::path programs;  ///< folder of `rths`
@@ -28,7 +28,7 @@ struct TripResult {
   GateResult gate_result = GateResult::NotJudged;
 };
 
-struct OpenSeesBenchReport {
+struct OpenSeesReport {
   Machine machine;
   int cycles = 0, round_trips = 0;
   std::vector<TripResult> trips;
@@ -42,10 +42,10 @@ inline constexpr double kMostOfBare = 3;
 
 /// Measures both protocols. @throws Error if the run at the other end does not start or answer
 /// @setup
-[[nodiscard]] OpenSeesBenchReport run_opensees_bench(const OpenSeesBenchOptions& options);
+[[nodiscard]] OpenSeesReport run_opensees_bench(const OpenSeesOptions& options);
 
 /// The report as one JSON document, or as lines of text.
-[[nodiscard]] std::string to_json(const OpenSeesBenchReport& report);
-[[nodiscard]] std::string to_text(const OpenSeesBenchReport& report);
+[[nodiscard]] std::string to_json(const OpenSeesReport& report);
+[[nodiscard]] std::string to_text(const OpenSeesReport& report);
 
 }  // namespace rths::bench

@@ -13,7 +13,7 @@
 
 namespace rths::bench {
 
-struct Options {
+struct RingOptions {
   int cycles = 9;
   std::uint32_t round_trips = 50'000;  ///< of each row in each cycle
   std::uint64_t seed = 1;              ///< of the intervals
@@ -21,11 +21,11 @@ struct Options {
   std::filesystem::path programs;      ///< folder of the peers' programs
   /// Folder for finished cycles; a later run reuses them. Empty: none.
   std::filesystem::path keep;
-  std::function<void(int cycle, const std::string& row)> progress;  ///< called before each row
+  std::function<void(const std::string& stage)> progress;  ///< called before each row
 };
 
 /// Result of a run.
-struct Report {
+struct RingReport {
   Machine machine;
   int cycles = 0;
   std::uint32_t round_trips = 0;
@@ -40,10 +40,10 @@ struct Report {
 /// reference. Every second cycle is in reverse order. At most two processes spin; this process is
 /// one of them or sleeps.
 /// @throws Error if a row is unknown or fails   @setup
-[[nodiscard]] Report run_ring_bench(const Options& options);
+[[nodiscard]] RingReport run_ring_bench(const RingOptions& options);
 
 /// The report as one JSON document, or as tables of text.
-[[nodiscard]] std::string to_json(const Report& report);
-[[nodiscard]] std::string to_text(const Report& report);
+[[nodiscard]] std::string to_json(const RingReport& report);
+[[nodiscard]] std::string to_text(const RingReport& report);
 
 }  // namespace rths::bench

@@ -12,7 +12,7 @@ namespace rths::bench {
 struct VerticalOptions {
   int draws = 200;
   double duration = 30;  ///< of the command, in its own time [s]
-  std::function<void(int draw)> progress;
+  std::function<void(const std::string& stage)> progress;
 };
 
 /// Tracking of the force by one controller on one machine.

@@ -4,9 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace CLI {
-class App;
-}
+#include <rths/command_line/program.hpp>
 
 namespace rths::app {
 
@@ -19,10 +17,10 @@ void refuse_nan(CLI::App& app);
 
 /// Candidates for the last of these words, which may be incomplete; for the shell.
 /// @param words  without the program's name
-[[nodiscard]] std::vector<std::string> completions(const CLI::App& app,
+[[nodiscard]] std::vector<std::string> completions(const Program& program,
                                                    const std::vector<std::string>& words);
 
-/// The manual page of all commands, in the format of man(7).
+/// The manual page of all commands, in the format of man(7). It is named as the program, with hyphens.
 [[nodiscard]] std::string manual_page(const CLI::App& app, const std::string& version);
 
 }  // namespace rths::app

@@ -3,19 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <functional>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include <rths/broker/ring.hpp>
+#include <rths/core/ascii.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/installed_files.hpp>
-#include <rths/recording/recording.hpp>
-
-#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -53,27 +47,11 @@ Words choices_of(const CLI::Option& option) {
   return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
-// Names of a ring's or a recording's signals.
-Words signals_of(const std::string& source) {
-  try {
-    if (std::filesystem::exists(source)) return recording::Reader{recording_in(source)}.names();
-    return broker::Ring::attach(source).map().signal_names();
-  } catch (const Error&) {
-    return {};
-  }
-}
-
-/// @param source  first positional word: a ring or a recording; empty: none yet
-Words candidates_for(const CLI::Option& option, const std::string& source) {
+// @param source  first positional word; empty: none yet
+Words candidates_for(const Program& program, const CLI::Option& option, const std::string& source) {
   Words candidates = choices_of(option);
-  if (option.get_name() == "signals") candidates = signals_of(source);
-  if (option.get_name() == "assignments")
-    for (const auto& name : signals_of(source)) candidates.push_back(name + "=");
-  if (option.get_name() == "ring" || option.get_name() == "source")
-    for (const auto& ring : broker::list_rings()) candidates.push_back(ring.name);
-  if (option.get_name() == "map") candidates = rths::built_in_names("maps");
-  if (option.get_name() == "bearing") candidates = rths::built_in_names("bearings");
-  return candidates;
+  if (!candidates.empty() || !program.candidates) return candidates;
+  return program.candidates(option.get_name(), source);
 }
 
 // The option whose value follows `word`.
@@ -157,9 +135,9 @@ void check_command_names(const CLI::App& app, const Words& words) {
   }
 }
 
-Words completions(const CLI::App& app, const Words& words) {
+Words completions(const Program& program, const Words& words) {
   if (words.empty()) return {};
-  const CLI::App* command = &app;
+  const CLI::App* command = &program.commands;
   std::size_t positionals = 0;
   std::string source;
   const CLI::Option* value_of = nullptr;
@@ -175,13 +153,13 @@ Words completions(const CLI::App& app, const Words& words) {
   }
   Words candidates;
   if (value_of != nullptr) {
-    candidates = candidates_for(*value_of, source);
+    candidates = candidates_for(program, *value_of, source);
   } else if (words.back().rfind('-', 0) == 0) {
     candidates = option_names(*command);
   } else if (!commands_of(*command).empty()) {
     candidates = names_of(commands_of(*command));
   } else if (const auto* option = positional(*command, positionals)) {
-    candidates = candidates_for(*option, source);
+    candidates = candidates_for(program, *option, source);
   }
   candidates.erase(std::remove_if(candidates.begin(), candidates.end(),
                                   [&](const std::string& candidate) {
@@ -192,15 +170,18 @@ Words completions(const CLI::App& app, const Words& words) {
 }
 
 std::string manual_page(const CLI::App& app, const std::string& version) {
-  std::string commands;
+  const std::string command_line = app.get_name();
+  std::string commands, title, page = command_line;
   for (const auto* command : commands_of(app))
-    commands += manual_of_command(*command, "rths " + command->get_name());
+    commands += manual_of_command(*command, command_line + " " + command->get_name());
+  std::replace(page.begin(), page.end(), ' ', '-');
+  for (const char c : page) title += upper(c);
   return fmt::format(
-      ".TH RTHS 1 \"\" \"rths {0}\" \"User Commands\"\n.SH NAME\nrths \\- {1}\n.SH SYNOPSIS\n.B "
-      "rths\n"
-      ".I command\n[options]\n.SH COMMANDS\n{2}"
+      ".TH {0} 1 \"\" \"rths {1}\" \"User Commands\"\n.SH NAME\n{2} \\- {3}\n.SH SYNOPSIS\n.B "
+      "{4}\n"
+      ".I command\n[options]\n.SH COMMANDS\n{5}"
       ".SH EXIT STATUS\n0: success. 1: condition not met. 2: failure. 3: wrong usage.\n",
-      version, escaped(app.get_description()), commands);
+      title, version, escaped(page), escaped(app.get_description()), command_line, commands);
 }
 
 void refuse_nan(CLI::App& app) {
