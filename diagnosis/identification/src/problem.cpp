@@ -146,6 +146,15 @@ Supposition::Supposition(const Problem& problem, Hypothesis hypothesis)
     simulators_.push_back(problem.relation().simulator(hypothesis_, problem.drive(i)));
 }
 
+Supposition::Supposition(const Supposition& like, Hypothesis hypothesis)
+    : Supposition{like.problem(), std::move(hypothesis)} {
+  for (std::size_t i = 0; i < simulators_.size(); ++i) simulators_[i]->share(*like.simulators_[i]);
+}
+
+void Supposition::keep(const Fold& fold) {
+  for (const auto& share : fold.shares) simulators_[share.record]->keep(hypothesis_.values);
+}
+
 MatrixXd Supposition::prediction(std::size_t record) const {
   MatrixXd result;
   std::vector<MatrixXd> none;

@@ -64,7 +64,6 @@ class Disturbance {
 
   [[nodiscard]] std::unique_ptr<Drive> of(const MotionDrive& drive, Eigen::Index rows) const {
     auto sum = std::make_unique<MotionDrive>(drive);
-    sum->known.reset();
     const Eigen::Index offset = rows * noise_.thinning;
     const auto add = [&](VectorXd& to, const VectorXd& from, bool is_motion) {
       if (to.size() == 0 || to.size() != from.size()) return;

@@ -2,6 +2,7 @@
 #include "composition_simulator.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -118,13 +119,21 @@ void CompositionSimulator::run_first(const std::vector<double>& parameters, Axes
   }
 }
 
-const Axes& CompositionSimulator::specimen(const std::vector<double>& parameters) const {
-  auto& known = drive_.known;
-  if (!known || known->signature != specimen_signature_ || known->parameters != parameters) {
-    known = {specimen_signature_, parameters, {}};
-    run_first(parameters, known->output);
-  }
-  return known->output;
+std::shared_ptr<const CompositionSimulator::Specimen> CompositionSimulator::specimen(
+    const std::vector<double>& parameters, const std::shared_ptr<const Specimen>& known) const {
+  if (known && known->parameters == parameters) return known;
+  Specimen found{parameters, {}};
+  run_first(parameters, found.output);
+  return std::make_shared<const Specimen>(std::move(found));
+}
+
+void CompositionSimulator::keep(const VectorXd& values) {
+  kept_ = specimen(parameters_at(values)[0], kept_);
+}
+
+void CompositionSimulator::share(const Simulator& other) {
+  const auto& alike = dynamic_cast<const CompositionSimulator&>(other);
+  if (alike.specimen_signature_ == specimen_signature_) kept_ = alike.kept_;
 }
 
 void CompositionSimulator::run_second(const std::vector<double>& parameters, Axes& force) const {
@@ -138,15 +147,20 @@ void CompositionSimulator::run_second(const std::vector<double>& parameters, Axe
   }
 }
 
-bool CompositionSimulator::predict(const VectorXd& values, Eigen::Ref<MatrixXd> output) const {
-  std::array<std::vector<double>, 2> parameters;
+CompositionSimulator::Parameters CompositionSimulator::parameters_at(const VectorXd& values) const {
+  Parameters parameters;
   for (std::size_t half = 0; half < 2; ++half)
     parameters[half].assign(compositions_[half].parameters().begin(),
                             compositions_[half].parameters().end());
   for (std::size_t i = 0; i < indices_.size(); ++i)
     for (const auto& [half, index] : indices_[i])
       parameters[half][index] = values[static_cast<Index>(i)];
-  Axes all = specimen(parameters[0]);
+  return parameters;
+}
+
+bool CompositionSimulator::predict(const Parameters& parameters, const Specimen& specimen,
+                                   Eigen::Ref<MatrixXd> output) const {
+  Axes all = specimen.output;
   if (!compositions_[1].terms().empty()) run_second(parameters[1], all);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (!all[axes_[i]].allFinite()) return false;
@@ -162,7 +176,9 @@ bool CompositionSimulator::run(const VectorXd& values, const std::vector<Index>&
   derivatives.clear();
   const auto axes = static_cast<Index>(axes_.size());
   MatrixXd outputs(drive_.motion[axes_[0]].size(), axes * (1 + std::ssize(wanted)));
-  if (!predict(values, outputs.leftCols(axes))) return false;
+  const Parameters parameters = parameters_at(values);
+  const auto there = specimen(parameters[0], kept_);
+  if (!predict(parameters, *there, outputs.leftCols(axes))) return false;
   std::vector<double> steps;
   for (const Index i : wanted) {
     constexpr double kStep = 1e-4;  // of a parameter's scale
@@ -170,7 +186,10 @@ bool CompositionSimulator::run(const VectorXd& values, const std::vector<Index>&
     VectorXd moved = values;
     steps.push_back((values[i] + kStep * free.scale > free.high ? -kStep : kStep) * free.scale);
     moved[i] += steps.back();
-    if (!predict(moved, outputs.middleCols(axes * std::ssize(steps), axes))) return false;
+    const Parameters beside = parameters_at(moved);
+    if (!predict(beside, *specimen(beside[0], there),
+                 outputs.middleCols(axes * std::ssize(steps), axes)))
+      return false;
   }
   const MatrixXd compared = drive_.compared_columns(outputs);
   prediction = compared.leftCols(axes);

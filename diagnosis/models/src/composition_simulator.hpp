@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "motion_drive.hpp"
 
 namespace rths::diagnosis {
@@ -17,16 +22,28 @@ class CompositionSimulator final : public Simulator {
   [[nodiscard]] bool run(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& wanted,
                          Eigen::MatrixXd& prediction,
                          std::vector<Eigen::MatrixXd>& derivatives) const override;
+  void keep(const Eigen::VectorXd& values) override;
+  void share(const Simulator& other) override;
 
  private:
+  /// Parameters of both halves.
+  using Parameters = std::array<std::vector<double>, 2>;
+  /// Output of the first half, which most changes of a hypothesis leave as it is.
+  struct Specimen {
+    std::vector<double> parameters;
+    Axes output;
+  };
+
+  [[nodiscard]] Parameters parameters_at(const Eigen::VectorXd& values) const;
+  /// Runs the first half, unless its parameters are those of a known output.
+  [[nodiscard]] std::shared_ptr<const Specimen> specimen(
+      const std::vector<double>& parameters, const std::shared_ptr<const Specimen>& known) const;
   /// The predicted quantity at every step of the model, a column for each axis.
   /// @returns false if it is not finite
-  [[nodiscard]] bool predict(const Eigen::VectorXd& values,
+  [[nodiscard]] bool predict(const Parameters& parameters, const Specimen& specimen,
                              Eigen::Ref<Eigen::MatrixXd> output) const;
   void run_first(const std::vector<double>& parameters, Axes& output) const;
   void run_second(const std::vector<double>& parameters, Axes& force) const;
-  /// The first half's output. It runs only if its parameters have changed since the last call.
-  [[nodiscard]] const Axes& specimen(const std::vector<double>& parameters) const;
 
   struct ParameterIndex {
     std::size_t half, parameter;
@@ -35,6 +52,7 @@ class CompositionSimulator final : public Simulator {
   std::array<sim::Composition, 2> compositions_;  ///< 0: specimen; 1: machine and sensors
   int substeps_ = 1;                              ///< of a step of the model, for the specimen
   std::string specimen_signature_;                ///< the first half's terms, but no parameters
+  std::shared_ptr<const Specimen> kept_;          ///< null: nothing is kept
   const MotionDrive& drive_;
   Predicted predicted_;
   std::vector<std::size_t> axes_;

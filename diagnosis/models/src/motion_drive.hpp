@@ -3,7 +3,6 @@
 
 #include <array>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,14 +34,6 @@ class MotionDrive final : public Drive {
   Axes specimen_force;                      ///< recorded; actuators may yield under it [N]
   Eigen::VectorXd axial_load, temperature;  ///< [N], [K]
   Eigen::VectorXd auxiliary;                ///< first channel that controls a device [its unit]
-
-  /// Cache of the specimen's output for this motion: most suppositions do not change it.
-  struct Known {
-    std::string signature;
-    std::vector<double> parameters;
-    Axes output;
-  };
-  mutable std::optional<Known> known;
 
   /// Filters and thins a signal at the model's rate to the compared rows.
   [[nodiscard]] Eigen::VectorXd compared(const Eigen::VectorXd& signal) const;

@@ -92,6 +92,8 @@ class Supposition {
  public:
   /// @throws Error if there is no prediction at the hypothesis' values
   Supposition(const Problem& problem, Hypothesis hypothesis);
+  /// The same, with what the simulators of another supposition about the problem keep.
+  Supposition(const Supposition& like, Hypothesis hypothesis);
 
   [[nodiscard]] const Hypothesis& hypothesis() const { return hypothesis_; }
   [[nodiscard]] const Problem& problem() const { return *problem_; }
@@ -119,6 +121,8 @@ class Supposition {
   /// Mean of w² over a fold [-].
   [[nodiscard]] double variance(const Fold& fold) const;
 
+  /// Keeps what predictions for the records of a fold near the hypothesis' values have in common.
+  void keep(const Fold& fold);
   void set_values(const Eigen::VectorXd& values) { hypothesis_.values = values; }
 
  private:

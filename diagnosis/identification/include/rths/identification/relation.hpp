@@ -56,6 +56,10 @@ class Simulator {
                                  const std::vector<Eigen::Index>& wanted,
                                  Eigen::MatrixXd& prediction,
                                  std::vector<Eigen::MatrixXd>& derivatives) const = 0;
+  /// Computes once what runs near these values have in common. Changes no prediction.
+  virtual void keep(const Eigen::VectorXd& /*values*/) {}
+  /// Uses what another simulator of the same relation and drive keeps.
+  virtual void share(const Simulator& /*other*/) {}
 };
 
 /// A term of free shape: values at knots of a state.
