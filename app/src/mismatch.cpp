@@ -82,13 +82,14 @@ bool is_companion(const std::filesystem::path& recording,
 // The improved simulation as an experiment, if the transfer system is identified.
 void improve_experiment(const std::filesystem::path& file, const experiment::Overrides& changes,
                         diagnosis::Verdict& verdict) {
-  if (verdict.outcome != diagnosis::Outcome::Missing ||
+  if (verdict.conclusion.outcome != diagnosis::Outcome::Missing ||
       !budget::is_tracking_identified(verdict.budget))
     return;
   const Config experiment =
       experiment::changed_experiment(std::filesystem::absolute(file), changes);
-  auto& improved = verdict.improved;
-  improved.experiment = session::improved_experiment(experiment, verdict.fragment, verdict.budget);
+  auto& improved = verdict.improvement.source;
+  improved.experiment =
+      session::improved_experiment(experiment, verdict.improvement.fragment, verdict.budget);
   improved.experiment_folder = experiment.resolve("");
   improved.has_improved_laboratory = true;
 }
@@ -100,8 +101,8 @@ void add_mismatch_budget(const std::filesystem::path& recording,
                          const experiment::Overrides& changes, const std::filesystem::path& folder,
                          diagnosis::Verdict& verdict) {
   try {
-    diagnosis::add_budget(budget_of(recording, experiment, changes, folder, verdict.fragment),
-                          verdict);
+    diagnosis::add_budget(
+        budget_of(recording, experiment, changes, folder, verdict.improvement.fragment), verdict);
   } catch (const Error& error) {
     verdict.limits.push_back(std::string{"There is no mismatch budget of the response: "} +
                              error.what());

@@ -11,6 +11,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -126,17 +127,24 @@ std::string lack_of(const Reader& run, const Ticks& ticks, const AxisRoles& name
   return "";
 }
 
-void add_axes(Analysis& analysis, const Reader& run, const Ticks& ticks, const Roles& roles) {
-  std::vector<LeftOut> lacks;
+/// The analysed axes, and why the others are not.
+struct AxesAnalysis {
+  std::vector<AxisAnalysis> axes;
+  std::vector<LeftOut> left_out;
+};
+
+AxesAnalysis analyse_axes(const Reader& run, const Ticks& ticks, const Roles& roles) {
+  AxesAnalysis result;
+  auto& [axes, lacks] = result;
   for (const auto& names : roles.axes)
     if (auto lack = lack_of(run, ticks, names); lack.empty())
-      analysis.axes.push_back(analyse_axis(run, ticks, roles, names));
+      axes.push_back(analyse_axis(run, ticks, roles, names));
     else
       lacks.push_back({"axis " + names.axis, std::move(lack)});
   // Without any axis, the reason stands in the place of the figures.
-  if (analysis.axes.empty() && !lacks.empty())
+  if (axes.empty() && !lacks.empty())
     lacks = {{"response", lacks[0].reason}, {"tracking", lacks[0].reason}};
-  analysis.left_out.insert(analysis.left_out.end(), lacks.begin(), lacks.end());
+  return result;
 }
 
 void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks, const AxisRoles& names) {
@@ -148,10 +156,10 @@ void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks, const AxisRoles& name
   axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;
 }
 
-void add_raw_delays(Analysis& analysis, const Reader& uncompensated) {
+void add_raw_delays(const Reader& uncompensated, std::vector<AxisAnalysis>& axes) {
   const Roles roles = recording::roles_of(uncompensated);
   const Ticks ticks{uncompensated, roles};
-  for (auto& axis : analysis.axes)
+  for (auto& axis : axes)
     for (const auto& names : roles.axes)
       if (names.axis == axis.name) add_raw_delay(axis, ticks, names);
 }
@@ -200,37 +208,57 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
   return nodes;
 }
 
-// Model time that the test reached.
-double duration_of(const Reader& run, const SolverTime& solver, const Analysis& analysis) {
-  if (!solver.signal.empty() && !solver.moves.empty()) return solver.moves.back().time;
-  const std::size_t steps = analysis.steps.start.size();
-  return steps > 0 ? static_cast<double>(steps) * analysis.integration_step
-                   : model_time_at(run.time().back(), analysis.rest, analysis.rate);
+RunTiming timing_of(const Reader& run, const Ticks& ticks, const StepAnalysis& steps,
+                    const RunDescription& test) {
+  const SolverTime solver = solver_time_of(run);
+  const auto count = static_cast<double>(steps.start.size());
+  const double reached = !solver.signal.empty() && !solver.moves.empty() ? solver.moves.back().time
+                         : count > 0 ? count * test.integration_step
+                                     : model_time_at(run.time().back(), test.rest, test.rate);
+  return {reached, 1 / ticks.interval(), achieved_rate(solver, test.integration_step)};
 }
 
-// Reasons for the sections that depend on the controller and on companion runs.
-void note_left_out(Analysis& analysis, const Roles& roles, bool has_uncompensated,
-                   bool has_numerical) {
-  const auto leave_out = [&](const char* section, const std::string& reason) {
-    analysis.left_out.push_back({section, reason});
-  };
-  const bool has_axes = !analysis.axes.empty();
-  if (!has_axes || analysis.axes[0].a0.values.empty())
-    leave_out("compensation",
-              fmt::format("no block 'ats' or 'inverse' of a controller '{}' is recorded",
-                          roles.controller));
+HostAnalysis analyse_hosts(const Reader& run, const HostLateness& host,
+                           const std::optional<Reader>& real_time) {
+  HostAnalysis hosts;
+  const auto meta = run.meta();
+  if (const auto processes = meta.find("processes"); processes != meta.end())
+    hosts.processes = std::stoi(processes->second);
+  if (real_time) hosts.real_time = late_host_in(*real_time);
+  hosts.late = host.late;
+  hosts.nodes = analyse_nodes(run);
+  hosts.hops = analyse_hops(run);
+  hosts.drops = run.drops();
+  hosts.rows_missing = run.rows_missing();
+  return hosts;
+}
+
+// Reasons for the sections that depend on the solver, the controller and on companion runs.
+std::vector<LeftOut> left_out_of(const Analysis& analysis, const Roles& roles,
+                                 bool has_uncompensated, bool has_numerical) {
+  std::vector<LeftOut> left_out;
+  if (analysis.axes.empty() || analysis.axes[0].a0.values.empty())
+    left_out.push_back(
+        {"compensation", fmt::format("no block 'ats' or 'inverse' of a controller '{}' is recorded",
+                                     roles.controller)});
   if (analysis.steps.predict.empty())
-    leave_out("predictor-corrector",
-              fmt::format("no block 'pc' of a controller '{}' is recorded", roles.controller));
+    left_out.push_back(
+        {"predictor-corrector",
+         fmt::format("no block 'pc' of a controller '{}' is recorded", roles.controller)});
   if (!has_uncompensated)
-    leave_out("raw delay",
-              "there is no run without compensation: the experiment has no [uncompensated], or a "
-              "node has no virtual time");
+    left_out.push_back({"raw delay",
+                        "there is no run without compensation: the experiment has no "
+                        "[uncompensated], or a node has no virtual time"});
   if (!has_numerical)
-    leave_out("numerical result", analysis.ending.empty()
-                                      ? "the structure of the solver is its own: state it as "
-                                        "[plant] or its response as [reference]"
-                                      : "the run ended early");
+    left_out.push_back({"numerical result", analysis.test.ending.empty()
+                                                ? "the structure of the solver is its own: state "
+                                                  "it as [plant] or its response as [reference]"
+                                                : "the run ended early"});
+  if (analysis.spectra.floors.empty())
+    left_out.push_back(
+        {"floor spectra",
+         fmt::format("the solver '{}' records no floor accelerations", roles.solver)});
+  return left_out;
 }
 
 std::optional<Reader> open_if_there(const std::filesystem::path& file) {
@@ -326,39 +354,31 @@ Analysis analyse(const std::filesystem::path& folder) {
   const auto uncompensated = open_if_there(folder / kUncompensatedFile);
   const auto numerical = open_if_there(folder / kNumericalFile);
   const auto improved = open_if_there(folder / kImprovedFile);
-  Analysis analysis;
-  analysis.meta = run.meta();
-  analysis.clock = analysis.meta["clock"];
-  analysis.map = run.map().description().name;
-  if (analysis.meta.count("processes") > 0)
-    analysis.processes = std::stoi(analysis.meta["processes"]);
-  describe(analysis, run);
-  analysis.changes = operator_changes(run);
-  analysis.safety = safety_changes(run);
+  const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };
   const HostLateness host = lateness_of(run);
-  analysis.host_late = host.late;
-  if (const auto attempt = open_if_there(folder / kRealTimeFile))
-    analysis.real_time = late_host_in(*attempt);
   const Roles roles = recording::roles_of(run);
   const Ticks ticks{run, roles};
-  analysis.control_rate = 1 / ticks.interval();
-  add_axes(analysis, run, ticks, roles);
-  if (uncompensated) add_raw_delays(analysis, *uncompensated);
+  AxesAnalysis found = analyse_axes(run, ticks, roles);
+  if (uncompensated) add_raw_delays(*uncompensated, found.axes);
+  Analysis analysis;
+  analysis.test = describe(run);
+  const RunDescription& test = analysis.test;
+  analysis.axes = std::move(found.axes);
   analysis.steps = analyse_steps(run, roles, host);
-  const SolverTime solver = solver_time_of(run);
-  analysis.duration = duration_of(run, solver, analysis);
-  analysis.achieved_rate = achieved_rate(solver, analysis.integration_step);
+  const auto& starts = analysis.steps.start;
+  analysis.timing = timing_of(run, ticks, analysis.steps, test);
   analysis.vertical =
-      analyse_vertical(run, ticks, roles, analysis.rate,
-                       analysis.steps.start.empty() ? 0 : analysis.steps.start[0] / analysis.rate);
-  analysis.nodes = analyse_nodes(run);
-  analysis.hops = analyse_hops(run);
-  analysis.drops = run.drops();
-  analysis.rows_missing = run.rows_missing();
-  const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };
-  add_companions(analysis, run, roles, given(numerical), given(improved));
-  note_left_out(analysis, roles, uncompensated.has_value(), numerical.has_value());
-  add_spectra(analysis, run, roles.solver, given(numerical), given(improved));
+      analyse_vertical(run, ticks, roles, test.rate, starts.empty() ? 0 : starts[0] / test.rate);
+  analysis.hosts = analyse_hosts(run, host, open_if_there(folder / kRealTimeFile));
+  analysis.changes = operator_changes(run);
+  analysis.safety = safety_changes(run);
+  analysis.companions = analyse_companions(run, roles, test.integration_step, analysis.axes,
+                                           {given(numerical), given(improved)});
+  analysis.spectra =
+      analyse_spectra(run, roles.solver, test.integration_step, given(numerical), given(improved));
+  analysis.left_out = std::move(found.left_out);
+  for (auto& one : left_out_of(analysis, roles, uncompensated.has_value(), numerical.has_value()))
+    analysis.left_out.push_back(std::move(one));
   return analysis;
 }
 

@@ -134,42 +134,66 @@ struct SafetyChange {
   std::string text;   ///< of a trip: its cause
 };
 
-struct Analysis {
-  std::string name, motion, clock, map;
+/// Facts of the experiment, and the ending of the run.
+struct RunDescription {
   std::map<std::string, std::string> meta;
-  double duration = 0;                          ///< model time [s]
-  double planned_duration = 0;                  ///< model time [s]
+  std::string name, motion, clock;
+  std::string ending;                           ///< why the run ended early; empty: completed
+  std::string command;                          ///< repeats the run
+  bool synthetic = false;                       ///< specimen and machine are models
+  std::vector<std::string> scope;               ///< sentences: tested, simulated, assumed
   std::map<std::string, double> stated_bounds;  ///< of [conclusive]
-  std::string ending;              ///< why the run ended early; empty: it was completed
-  std::string command;             ///< repeats the run
-  bool synthetic = false;          ///< specimen and machine are models
-  double spectrum_elevation = 0;   ///< [m]
-  std::vector<std::string> scope;  ///< sentences: tested, simulated, assumed
-  std::vector<OperatorChange> changes;
-  std::vector<SafetyChange> safety;     ///< none: the machine has no safety layer
+  double planned_duration = 0;                  ///< model time [s]
+  double integration_step = 0;                  ///< in model time [s]
+  double rate = 1;                              ///< wall time over model time, as planned
+  double rest = 0;                              ///< wall time before the test [s]
+  double spectrum_elevation = 0;                ///< [m]
+};
+
+/// Times and rates that the run reached.
+struct RunTiming {
+  double duration = 0;                  ///< model time [s]
   double control_rate = 0;              ///< [Hz]
-  double integration_step = 0;          ///< in model time [s]
-  double rate = 1;                      ///< wall time over model time, as planned
-  std::optional<double> achieved_rate;  ///< the same, from the recording
-  double rest = 0;                      ///< wall time before the test [s]
+  std::optional<double> achieved_rate;  ///< wall time over model time
+};
+
+/// How processes and hosts served the run.
+struct HostAnalysis {
   int processes = 1;
-  std::vector<AxisAnalysis> axes;
-  StepAnalysis steps;
+  std::string real_time;  ///< how late the host was in real time; empty: not repeated
+  Series late;            ///< largest of each interval [s]; empty in virtual time
   std::vector<NodeAnalysis> nodes;
   std::vector<HopAnalysis> hops;  ///< of a test on several hosts in real time
   std::vector<std::pair<std::string, std::int64_t>> drops;
   std::int64_t rows_missing = 0;  ///< of the recording
-  std::string real_time;          ///< how late the host was in real time; empty: not repeated
-  Series host_late;               ///< largest of each interval [s]; empty in virtual time
+};
+
+/// Results of the analysed axes with a model instead of the specimen.
+struct CompanionAnalysis {
   std::vector<NumericalAxis> numerical;
   std::vector<NumericalAxis> improved;  ///< with the improved model of a diagnosis
-  double numerical_interval = 0;        ///< [s]
-  std::optional<Beside> beside;
-  std::optional<VerticalAnalysis> vertical;
-  std::vector<double> frequencies;  ///< of the spectra [Hz]
+  double interval = 0;                  ///< [s]
+};
+
+struct SpectraAnalysis {
+  std::vector<double> frequencies;  ///< [Hz]
   std::vector<FloorSpectra> floors;
+};
+
+struct Analysis {
+  RunDescription test;
+  RunTiming timing;
+  std::vector<AxisAnalysis> axes;
+  StepAnalysis steps;
+  std::optional<VerticalAnalysis> vertical;
+  HostAnalysis hosts;
+  std::vector<OperatorChange> changes;
+  std::vector<SafetyChange> safety;  ///< none: the machine has no safety layer
+  CompanionAnalysis companions;
+  SpectraAnalysis spectra;
   std::vector<LeftOut> left_out;  ///< sections
-  std::vector<Broken> broken;     ///< conditions of a conclusive test; none: the test is conclusive
+  std::optional<Beside> beside;
+  std::vector<Broken> broken;  ///< conditions of a conclusive test; none: the test is conclusive
 };
 
 /// @throws Error if the run cannot be read or contains no motion
@@ -180,8 +204,7 @@ struct Analysis {
 [[nodiscard]] std::vector<double> targets_of(const recording::Reader& run,
                                              const recording::Roles& roles);
 
-/// Facts of the experiment and the ending of the run, from the recording.
-void describe(Analysis& analysis, const recording::Reader& run);
+[[nodiscard]] RunDescription describe(const recording::Reader& run);
 
 /// Hops of updates between the hosts of a test, from the signals of their gateways.
 [[nodiscard]] std::vector<HopAnalysis> analyse_hops(const recording::Reader& run);
@@ -195,9 +218,13 @@ void describe(Analysis& analysis, const recording::Reader& run);
 /// States and trip of the safety layer, in order of time.
 [[nodiscard]] std::vector<SafetyChange> safety_changes(const recording::Reader& run);
 
-/// Floor spectra of the run and its companions, null if not recorded.
-void add_spectra(Analysis& analysis, const recording::Reader& run, const std::string& solver,
-                 const recording::Reader* numerical, const recording::Reader* improved);
+/// Floor spectra of the run and its companions, null if not recorded. No floors: the solver records
+/// none.
+/// @param step  of the solver [s]
+[[nodiscard]] SpectraAnalysis analyse_spectra(const recording::Reader& run,
+                                              const std::string& solver, double step,
+                                              const recording::Reader* numerical,
+                                              const recording::Reader* improved);
 
 /// Largest delay that is looked for in a whole test [s].
 inline constexpr double kDelaySearch = 0.2;

@@ -87,8 +87,8 @@ NumericalAxis response_of(const AxisAnalysis& other, double other_step, const Ax
 
 // The other test's spectra of the floors that both have.
 void add_spectra_of(Analysis& analysis, const Analysis& other) {
-  for (auto& floor : analysis.floors)
-    for (const auto& same : other.floors)
+  for (auto& floor : analysis.spectra.floors)
+    for (const auto& same : other.spectra.floors)
       if (same.floor == floor.floor) floor.spectra.push_back({kBeside, same.spectra[0].values});
 }
 
@@ -127,25 +127,29 @@ std::map<std::string, double> response_differences(const Reader& run, const Read
   return differences;
 }
 
-void add_companions(Analysis& analysis, const Reader& run, const Roles& roles,
-                    const Reader* numerical, const Reader* improved) {
-  if (numerical == nullptr) return;
-  analysis.numerical_interval = numerical->time()[1] - numerical->time()[0];
+CompanionAnalysis analyse_companions(const Reader& run, const Roles& roles, double step,
+                                     const std::vector<AxisAnalysis>& axes,
+                                     const CompanionRecordings& companions) {
+  if (companions.numerical == nullptr) return {};
   const auto of_analysed_axes = [&](const Reader& result) {
-    auto axes = numerical_axes(run, roles, analysis.integration_step, result);
-    std::erase_if(axes, [&](const NumericalAxis& axis) {
-      return std::none_of(analysis.axes.begin(), analysis.axes.end(),
+    auto all = numerical_axes(run, roles, step, result);
+    std::erase_if(all, [&](const NumericalAxis& axis) {
+      return std::none_of(axes.begin(), axes.end(),
                           [&](const auto& one) { return one.name == axis.name; });
     });
-    return axes;
+    return all;
   };
-  analysis.numerical = of_analysed_axes(*numerical);
-  if (improved != nullptr) analysis.improved = of_analysed_axes(*improved);
+  CompanionAnalysis found;
+  found.interval = companions.numerical->time()[1] - companions.numerical->time()[0];
+  found.numerical = of_analysed_axes(*companions.numerical);
+  if (companions.improved != nullptr) found.improved = of_analysed_axes(*companions.improved);
+  return found;
 }
 
 void add_beside(Analysis& analysis, const std::filesystem::path& folder) {
   const Analysis other = analyse(folder);
-  Beside beside{other.name, folder.string(), other.rate, other.ending, other.integration_step, {}};
+  const RunDescription& test = other.test;
+  Beside beside{test.name, folder.string(), test.rate, test.ending, test.integration_step, {}};
   for (const auto& axis : analysis.axes) {
     const auto same = std::find_if(other.axes.begin(), other.axes.end(),
                                    [&](const AxisAnalysis& one) { return one.name == axis.name; });
@@ -153,7 +157,7 @@ void add_beside(Analysis& analysis, const std::filesystem::path& folder) {
       throw Error{
           fmt::format("{}: has no axis {}, which this test has", folder.string(), axis.name)};
     beside.axes.push_back(
-        response_of(*same, other.integration_step, axis, analysis.integration_step));
+        response_of(*same, test.integration_step, axis, analysis.test.integration_step));
   }
   add_spectra_of(analysis, other);
   analysis.beside = std::move(beside);

@@ -10,9 +10,18 @@
 
 namespace rths::report {
 
-/// Results with a model instead of the specimen; null if not recorded.
-void add_companions(Analysis& analysis, const recording::Reader& run, const recording::Roles& roles,
-                    const recording::Reader* numerical, const recording::Reader* improved);
+/// Recordings with a model instead of the specimen; null if there is none.
+struct CompanionRecordings {
+  const recording::Reader* numerical;
+  const recording::Reader* improved;
+};
+
+/// Results of the analysed axes with a model instead of the specimen.
+/// @param step  integration step of the run [s]
+[[nodiscard]] CompanionAnalysis analyse_companions(const recording::Reader& run,
+                                                   const recording::Roles& roles, double step,
+                                                   const std::vector<AxisAnalysis>& axes,
+                                                   const CompanionRecordings& companions);
 
 /// Of the tested axes whose targets are recorded.
 /// @param step  integration step of the run [s]

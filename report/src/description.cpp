@@ -2,6 +2,7 @@
 //
 // Facts of a run in words, from the experiment in its recording.
 #include <algorithm>
+#include <map>
 #include <optional>
 
 #include <fmt/format.h>
@@ -37,12 +38,12 @@ std::string text_at(const std::map<std::string, std::string>& meta, const std::s
   return found == meta.end() ? otherwise : found->second;
 }
 
-std::string command_of(const Analysis& analysis, const std::vector<std::string>& overrides) {
-  const auto& meta = analysis.meta;
+std::string command_of(const std::map<std::string, std::string>& meta,
+                       const std::vector<std::string>& overrides) {
   std::string command =
       "rths run " + quoted(text_at(meta, "experiment_path", text_at(meta, "experiment", "")));
   for (const auto& change : overrides) command += " --set " + quoted(change);
-  return command + (analysis.clock == "virtual" ? " --clock virtual" : "");
+  return command + (text_at(meta, "clock", "") == "virtual" ? " --clock virtual" : "");
 }
 
 // Names of the tables inside a table; disabled terms are marked.
@@ -212,29 +213,33 @@ std::optional<bool> is_of_models(const recording::Reader& run) {
   return contains(models_of_machines(), machine_in(*experiment, recording::roles_of(run)).adapter);
 }
 
-void describe(Analysis& analysis, const recording::Reader& run) {
-  const std::string ending = text_at(analysis.meta, "ending", kNoEnding);
-  analysis.ending = ending == kCompleted ? "" : ending;
+RunDescription describe(const recording::Reader& run) {
+  RunDescription test;
+  test.meta = run.meta();
+  test.clock = test.meta["clock"];
+  const std::string ending = text_at(test.meta, "ending", kNoEnding);
+  test.ending = ending == kCompleted ? "" : ending;
   const auto experiment = recording::experiment_in(run);
-  if (!experiment) return;
+  if (!experiment) return test;
   const Config& file = *experiment;
-  analysis.command = command_of(analysis, lines(run.config(recording::kOverridesText)));
-  analysis.name = file.text("name");
-  analysis.integration_step = file.number("integration_step_s", 0.01);
-  analysis.rate = file.number("rate", 1);
-  analysis.planned_duration = file.number("duration_s", 0);
-  analysis.spectrum_elevation = file.table_or_empty("plant").number(
+  test.command = command_of(test.meta, lines(run.config(recording::kOverridesText)));
+  test.name = file.text("name");
+  test.integration_step = file.number("integration_step_s", 0.01);
+  test.rate = file.number("rate", 1);
+  test.planned_duration = file.number("duration_s", 0);
+  test.spectrum_elevation = file.table_or_empty("plant").number(
       "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
-  analysis.rest = file.number("rest_s", 0);
-  analysis.motion = motion_name(file);
+  test.rest = file.number("rest_s", 0);
+  test.motion = motion_name(file);
   const Config bounds = file.table_or_empty("conclusive");
-  for (const auto& key : bounds.keys()) analysis.stated_bounds[key] = bounds.number(key);
+  for (const auto& key : bounds.keys()) test.stated_bounds[key] = bounds.number(key);
   const MachineNode machine = machine_in(file, recording::roles_of(run));
-  analysis.synthetic = contains(models_of_machines(), machine.adapter);
-  analysis.scope = scope_of(file, machine);
-  if (const auto node = text_at(analysis.meta, "without_safety_layer", ""); !node.empty())
-    analysis.scope.push_back(
+  test.synthetic = contains(models_of_machines(), machine.adapter);
+  test.scope = scope_of(file, machine);
+  if (const auto node = text_at(test.meta, "without_safety_layer", ""); !node.empty())
+    test.scope.push_back(
         fmt::format("Node {} has no safety layer: rths does not guard its commands.", node));
+  return test;
 }
 
 }  // namespace rths::report

@@ -91,7 +91,7 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
 std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const fs::path& folder,
                                         Replacements& written) {
   std::vector<std::pair<std::string, std::vector<const diagnosis::Trace*>>> records;
-  for (const auto& trace : verdict.traces) {
+  for (const auto& trace : verdict.comparison.traces) {
     if (records.empty() || records.back().first != trace.record)
       records.push_back({trace.record, {}});
     records.back().second.push_back(&trace);
@@ -183,14 +183,14 @@ DiagnosisFiles write_diagnosis(const diagnosis::Verdict& verdict,
   // First, so that a commit that is cut off leaves a folder with a verdict.
   written.add(files.numbers, verdict_json(verdict));
   written.add(files.page, verdict_page(verdict));
-  if (!verdict.fragment.empty()) {
-    written.add(fragment, verdict.fragment);
+  if (!verdict.improvement.fragment.empty()) {
+    written.add(fragment, verdict.improvement.fragment);
     files.fragment = fragment;
   }
-  write_improved(verdict.improved, folder, files, written);
+  write_improved(verdict.improvement.source, folder, files, written);
   files.predictions = write_predictions(verdict, folder / kPredictionFolder, written);
-  if (!verdict.next_motion.channels.empty()) {
-    written.add(motion, table_of(verdict.next_motion));
+  if (!verdict.next.motion.channels.empty()) {
+    written.add(motion, table_of(verdict.next.motion));
     files.motion = motion;
   }
   written.commit();

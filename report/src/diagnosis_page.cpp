@@ -32,14 +32,14 @@ diagnosis::Verdict with_near_times(const diagnosis::Verdict& verdict) {
   diagnosis::Verdict near = verdict;
   std::vector<std::string> starts;
   const std::string* record = nullptr;  // the traces of a record follow each other
-  for (auto& trace : near.traces) {
+  for (auto& trace : near.comparison.traces) {
     if (trace.time.empty() || std::abs(trace.time.front()) < kFarFromZero) continue;
     const double start = trace.time.front();
     shift(trace.time, -start);
     if (record != nullptr && *record == trace.record) continue;
     record = &trace.record;
     starts.push_back(fmt::format("{:.13g} s in {}", start, trace.record));
-    if (trace.record == near.where.record) shift(near.where, -start);
+    if (trace.record == near.conclusion.where.record) shift(near.conclusion.where, -start);
   }
   if (!starts.empty())
     near.limits.push_back(
@@ -93,9 +93,10 @@ Json response_data(const diagnosis::Verdict& verdict) {
 // Those of the first record, of the place of the mismatch, and of the proof.
 std::vector<const diagnosis::Trace*> shown_traces(const diagnosis::Verdict& verdict) {
   std::vector<const diagnosis::Trace*> shown;
-  for (const auto& trace : verdict.traces)
-    if (trace.record == verdict.traces[0].record || trace.record == verdict.where.record ||
-        trace.record == verdict.proof_record)
+  for (const auto& trace : verdict.comparison.traces)
+    if (trace.record == verdict.comparison.traces[0].record ||
+        trace.record == verdict.conclusion.where.record ||
+        trace.record == verdict.comparison.proof_record)
       shown.push_back(&trace);
   return shown;
 }

@@ -112,8 +112,8 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   json["compensator_ticks_at_a_limit"] = axis.compensator_limited;
   json["tracking_bands"] = Json::array();
   for (const auto& band : axis.bands) json["tracking_bands"].push_back(band_numbers(band));
-  add_numerical(json, axis.name, "numerical", analysis.numerical);
-  add_numerical(json, axis.name, "improved", analysis.improved);
+  add_numerical(json, axis.name, "numerical", analysis.companions.numerical);
+  add_numerical(json, axis.name, "improved", analysis.companions.improved);
   return json;
 }
 
@@ -220,7 +220,7 @@ std::string left_out_summary(const std::vector<LeftOut>& sections) {
 
 long total_overruns(const Analysis& analysis) {
   long overruns = 0;
-  for (const auto& node : analysis.nodes) overruns += node.overruns;
+  for (const auto& node : analysis.hosts.nodes) overruns += node.overruns;
   return overruns;
 }
 
@@ -252,8 +252,8 @@ std::string response_summary(const std::string& axis, const Analysis& analysis) 
         text += fmt::format("{}{:.1f} % from the {} result", text.empty() ? "" : ", ",
                             model.difference * kPercent, result);
   };
-  add("numerical", analysis.numerical);
-  add("improved", analysis.improved);
+  add("numerical", analysis.companions.numerical);
+  add("improved", analysis.companions.improved);
   return text.empty() ? "" : "        response differs by " + text + " (rms)\n";
 }
 
@@ -271,10 +271,11 @@ std::string vertical_summary(const std::optional<VerticalAnalysis>& vertical) {
 // A rate that differs from the planned one by more than rounding.
 std::string rate_summary(const Analysis& analysis) {
   constexpr double kWorthStating = 0.01;
-  const auto& achieved = analysis.achieved_rate;
-  if (!achieved || std::abs(*achieved - analysis.rate) <= kWorthStating * analysis.rate) return "";
+  const auto& achieved = analysis.timing.achieved_rate;
+  if (!achieved || std::abs(*achieved - analysis.test.rate) <= kWorthStating * analysis.test.rate)
+    return "";
   return fmt::format("rate    {:.2f} s of wall time per second of the model, planned {:g}\n",
-                     *achieved, analysis.rate);
+                     *achieved, analysis.test.rate);
 }
 
 std::string beside_summary(const std::optional<Beside>& beside) {
@@ -305,35 +306,37 @@ std::string changes_summary(const std::vector<OperatorChange>& changes) {
 }  // namespace
 
 bool is_conclusive(const Analysis& analysis) {
-  return analysis.ending.empty() && analysis.broken.empty();
+  return analysis.test.ending.empty() && analysis.broken.empty();
 }
 
 Json numbers_of(const Analysis& analysis) {
   const StepAnalysis& steps = analysis.steps;
   Json json;
   json["report_format"] = 1;
-  json["name"] = analysis.name;
-  json["motion"] = analysis.motion;
-  json["synthetic"] = analysis.synthetic;
-  json["processes"] = analysis.processes;
-  json["clock"] = analysis.clock;
-  json["real_time"] = analysis.real_time.empty() ? Json(nullptr) : Json(analysis.real_time);
-  json["duration_s"] = rounded(analysis.duration, 6);
-  json["planned_duration_s"] = analysis.planned_duration;
-  json["ending"] = analysis.ending.empty() ? Json(nullptr) : Json(analysis.ending);
-  json["control_rate_hz"] = rounded(analysis.control_rate, 3);
-  json["integration_step_s"] = analysis.integration_step;
-  json["rate"] = analysis.rate;
-  json["achieved_rate"] =
-      analysis.achieved_rate ? Json(rounded(*analysis.achieved_rate, 4)) : Json(nullptr);
+  json["name"] = analysis.test.name;
+  json["motion"] = analysis.test.motion;
+  json["synthetic"] = analysis.test.synthetic;
+  json["processes"] = analysis.hosts.processes;
+  json["clock"] = analysis.test.clock;
+  json["real_time"] =
+      analysis.hosts.real_time.empty() ? Json(nullptr) : Json(analysis.hosts.real_time);
+  json["duration_s"] = rounded(analysis.timing.duration, 6);
+  json["planned_duration_s"] = analysis.test.planned_duration;
+  json["ending"] = analysis.test.ending.empty() ? Json(nullptr) : Json(analysis.test.ending);
+  json["control_rate_hz"] = rounded(analysis.timing.control_rate, 3);
+  json["integration_step_s"] = analysis.test.integration_step;
+  json["rate"] = analysis.test.rate;
+  json["achieved_rate"] = analysis.timing.achieved_rate
+                              ? Json(rounded(*analysis.timing.achieved_rate, 4))
+                              : Json(nullptr);
   json["integration_steps"] = count_of(steps);
   json["overruns"] = total_overruns(analysis);
   json["slow_downs"] = steps.slow_downs;
   json["slow_downs_excused"] = steps.slow_downs_excused;
-  json["host_late_max_ms"] = rounded(largest(analysis.host_late.values) * kMilli, 3);
+  json["host_late_max_ms"] = rounded(largest(analysis.hosts.late.values) * kMilli, 3);
   json["steps_excused"] = steps.excused_count;
   json["conclusive"] = is_conclusive(analysis);
-  json["stated_bounds"] = Json(analysis.stated_bounds);
+  json["stated_bounds"] = Json(analysis.test.stated_bounds);
   json["broken"] = broken_numbers(analysis.broken);
   json["left_out"] = left_out_numbers(analysis.left_out);
   json["predict_ms_mean"] = mean_ms(steps.predict);
@@ -344,15 +347,15 @@ Json numbers_of(const Analysis& analysis) {
   json["vertical"] = vertical_numbers(analysis.vertical);
   json["beside"] = beside_numbers(analysis.beside);
   json["floors"] = Json::object();
-  for (const auto& floor : analysis.floors)
-    json["floors"][floor.floor] = floor_numbers(floor, analysis.frequencies);
+  for (const auto& floor : analysis.spectra.floors)
+    json["floors"][floor.floor] = floor_numbers(floor, analysis.spectra.frequencies);
   json["nodes"] = Json::object();
-  for (const auto& node : analysis.nodes) json["nodes"][node.name] = node_numbers(node);
+  for (const auto& node : analysis.hosts.nodes) json["nodes"][node.name] = node_numbers(node);
   json["hops"] = Json::array();
-  for (const auto& hop : analysis.hops) json["hops"].push_back(hop_numbers(hop));
+  for (const auto& hop : analysis.hosts.hops) json["hops"].push_back(hop_numbers(hop));
   json["drops"] = Json::object();
-  for (const auto& [node, count] : analysis.drops) json["drops"][node] = count;
-  json["rows_missing"] = analysis.rows_missing;
+  for (const auto& [node, count] : analysis.hosts.drops) json["drops"][node] = count;
+  json["rows_missing"] = analysis.hosts.rows_missing;
   json["operator_changes"] = Json::array();
   for (const auto& change : analysis.changes)
     json["operator_changes"].push_back(change_numbers(change));
@@ -360,10 +363,10 @@ Json numbers_of(const Analysis& analysis) {
   for (const auto& change : analysis.safety)
     json["safety"].push_back(
         {{"time_s", rounded(change.time, 3)}, {"state", change.state}, {"text", change.text}});
-  json["spectrum_elevation_m"] = analysis.spectrum_elevation;
-  json["scope"] = analysis.scope;
-  json["command"] = analysis.command;
-  json["meta"] = analysis.meta;
+  json["spectrum_elevation_m"] = analysis.test.spectrum_elevation;
+  json["scope"] = analysis.test.scope;
+  json["command"] = analysis.test.command;
+  json["meta"] = analysis.test.meta;
   return json;
 }
 
@@ -376,15 +379,15 @@ std::string verdict_of(const std::vector<Broken>& conditions) {
 
 std::string summary_of(const Analysis& analysis) {
   const StepAnalysis& steps = analysis.steps;
-  std::string text =
-      fmt::format("{:.3f} s, {} steps, {} process{}, {} clock, {:.0f} Hz\n", analysis.duration,
-                  count_of(steps), analysis.processes, analysis.processes == 1 ? "" : "es",
-                  analysis.clock, analysis.control_rate);
-  if (!analysis.real_time.empty())
+  std::string text = fmt::format(
+      "{:.3f} s, {} steps, {} process{}, {} clock, {:.0f} Hz\n", analysis.timing.duration,
+      count_of(steps), analysis.hosts.processes, analysis.hosts.processes == 1 ? "" : "es",
+      analysis.test.clock, analysis.timing.control_rate);
+  if (!analysis.hosts.real_time.empty())
     text += fmt::format(
         "in real time the host was {}: {} has that attempt, all numbers here are of "
         "the repetition in virtual time\n",
-        analysis.real_time, kRealTimeFile);
+        analysis.hosts.real_time, kRealTimeFile);
   if (!steps.predict.empty())
     text +=
         fmt::format("PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
@@ -398,16 +401,16 @@ std::string summary_of(const Analysis& analysis) {
   text += rate_summary(analysis);
   text += changes_summary(analysis.changes);
   text += fmt::format("host    at most {:.2f} ms late, {} of {} steps excused, {} overruns\n",
-                      largest(analysis.host_late.values) * kMilli, steps.excused_count,
+                      largest(analysis.hosts.late.values) * kMilli, steps.excused_count,
                       count_of(steps), total_overruns(analysis));
-  text += hops_summary(analysis.hops);
+  text += hops_summary(analysis.hosts.hops);
   text += left_out_summary(analysis.left_out);
-  if (analysis.rows_missing > 0)
+  if (analysis.hosts.rows_missing > 0)
     text += fmt::format("record  {} rows missing: the recorder did not run at their time\n",
-                        analysis.rows_missing);
-  if (!analysis.ending.empty())
-    text += fmt::format("ended at {:.3f} of {:g} s: {}\n", analysis.duration,
-                        analysis.planned_duration, analysis.ending);
+                        analysis.hosts.rows_missing);
+  if (!analysis.test.ending.empty())
+    text += fmt::format("ended at {:.3f} of {:g} s: {}\n", analysis.timing.duration,
+                        analysis.test.planned_duration, analysis.test.ending);
   return text + verdict_of(analysis.broken);
 }
 

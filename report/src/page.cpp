@@ -84,11 +84,11 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
   data["numbers"] = numbers;
   data["axes"] = Json::array();
   for (const auto& axis : analysis.axes) data["axes"].push_back(axis_data(axis));
-  for (const auto& [name, axes] :
-       {std::pair{"numerical", &analysis.numerical}, std::pair{"improved", &analysis.improved}}) {
+  for (const auto& [name, axes] : {std::pair{"numerical", &analysis.companions.numerical},
+                                   std::pair{"improved", &analysis.companions.improved}}) {
     data[name] = Json::array();
     for (const auto& axis : *axes)
-      data[name].push_back(numerical_data(axis, analysis.numerical_interval));
+      data[name].push_back(numerical_data(axis, analysis.companions.interval));
   }
   data["beside"] = Json::array();
   if (analysis.beside)
@@ -96,10 +96,10 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
       data["beside"].push_back(numerical_data(axis, analysis.beside->integration_step));
   data["vertical"] = vertical_data(analysis.vertical);
   data["steps"] = steps_data(analysis.steps);
-  data["host_late_ms"] = series(analysis.host_late, kMilli, true);
-  data["frequencies_Hz"] = packed(analysis.frequencies);
+  data["host_late_ms"] = series(analysis.hosts.late, kMilli, true);
+  data["frequencies_Hz"] = packed(analysis.spectra.frequencies);
   data["floors"] = Json::array();
-  for (const auto& floor : analysis.floors) {
+  for (const auto& floor : analysis.spectra.floors) {
     Json spectra = Json::array();
     for (const auto& spectrum : floor.spectra)
       spectra.push_back({{"of", spectrum.of}, {"values", packed(spectrum.values)}});

@@ -82,12 +82,12 @@ std::string plan_summary(const Plan& plan) {
   for (const auto& record : plan.records)
     text += fmt::format("record    {:<{}}  {:>6.4g} s at {:.5g} Hz: {}\n", record.name, width,
                         record.duration, record.rate, record.role);
-  text += "noise     " + plan.noise_model + "\n";
-  if (!plan.noise_remedy.empty())
+  text += "noise     " + plan.noise.source + "\n";
+  if (!plan.noise.remedy.empty())
     text +=
         "          without noise at rest the numbers of nat are rough, and a small effect "
         "cannot be told from noise;\n          " +
-        plan.noise_remedy + "\n";
+        plan.noise.remedy + "\n";
   for (const auto& limit : plan.limits) text += "limit     " + limit + "\n";
   for (const auto& examined : plan.relations) text += examined_text(examined);
   return text;

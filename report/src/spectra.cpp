@@ -24,25 +24,24 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-void add_spectra(Analysis& analysis, const recording::Reader& run, const std::string& solver,
-                 const recording::Reader* numerical, const recording::Reader* improved) {
-  analysis.frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
+SpectraAnalysis analyse_spectra(const recording::Reader& run, const std::string& solver,
+                                double step, const recording::Reader* numerical,
+                                const recording::Reader* improved) {
+  SpectraAnalysis result;
+  result.frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
   const auto spectrum = [&](const std::vector<double>& along, const std::vector<double>& across,
                             double interval) {
-    return sim::floor_spectrum(along, across, interval, analysis.frequencies, kDampingRatio);
+    return sim::floor_spectrum(along, across, interval, result.frequencies, kDampingRatio);
   };
-  const auto reference = [&](const recording::Reader& result, const std::string& name) {
-    return spectrum(result.signal("result." + name + "long"),
-                    result.signal("result." + name + "lat"), analysis.numerical_interval);
+  const auto reference = [&](const recording::Reader& companion, const std::string& name) {
+    return spectrum(companion.signal("result." + name + "long"),
+                    companion.signal("result." + name + "lat"),
+                    numerical->time()[1] - numerical->time()[0]);
   };
   std::vector<std::string> names;
   if (numerical != nullptr) names = lines(numerical->config("floors"));
   const std::string monitor = "monitor." + solver;
-  if (!run.has(monitor + ".floor.1.accel.long")) {
-    analysis.left_out.push_back(
-        {"floor spectra", fmt::format("the solver '{}' records no floor accelerations", solver)});
-    return;
-  }
+  if (!run.has(monitor + ".floor.1.accel.long")) return result;
   const auto steps = run.signal(monitor + ".step");
   for (int floor = 1; run.has(fmt::format("{}.floor.{}.accel.long", monitor, floor)); ++floor) {
     const auto hybrid = [&](const char* axis) {
@@ -52,8 +51,7 @@ void add_spectra(Analysis& analysis, const recording::Reader& run, const std::st
     const auto index = static_cast<std::size_t>(floor - 1);
     FloorSpectra spectra;
     spectra.floor = index < names.size() ? names[index] : fmt::format("floor {}", floor);
-    spectra.spectra.push_back(
-        {"hybrid", spectrum(hybrid("long"), hybrid("lat"), analysis.integration_step)});
+    spectra.spectra.push_back({"hybrid", spectrum(hybrid("long"), hybrid("lat"), step)});
     const auto isolated = fmt::format("isolated.floor.{}.accel.", floor);
     // A response of the user's own, or one of other solvers, has no floors.
     if (numerical != nullptr && numerical->has("result." + isolated + "long")) {
@@ -64,8 +62,9 @@ void add_spectra(Analysis& analysis, const recording::Reader& run, const std::st
       spectra.spectra.push_back({"fixed base", reference(*numerical, fixed)});
       spectra.spectra.push_back({"input", reference(*numerical, "ground.accel.")});
     }
-    analysis.floors.push_back(std::move(spectra));
+    result.floors.push_back(std::move(spectra));
   }
+  return result;
 }
 
 }  // namespace rths::report

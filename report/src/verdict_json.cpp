@@ -187,9 +187,10 @@ Json budget_json(const budget::MismatchBudget& found) {
 
 // The fragment for experiments; of models that are not made of terms, [model] of the improved case.
 std::string improved_text(const Verdict& verdict) {
-  if (!verdict.fragment.empty() || !verdict.improved.file.has("model")) return verdict.fragment;
+  if (!verdict.improvement.fragment.empty() || !verdict.improvement.source.file.has("model"))
+    return verdict.improvement.fragment;
   Config file;
-  file.set("model", verdict.improved.file.table("model"));
+  file.set("model", verdict.improvement.source.file.table("model"));
   return file.to_toml();
 }
 
@@ -200,33 +201,34 @@ Json verdict_numbers(const Verdict& verdict) {
   json["format"] = kVerdictFormat;
   json["case"] = verdict.case_name;
   json["synthetic"] = verdict.synthetic;
-  json["verdict"] = name_of(verdict.outcome);
+  json["verdict"] = name_of(verdict.conclusion.outcome);
   json["sentence"] = verdict.sentence;
-  json["confidence"] = number(verdict.confidence);
-  json["remainder"] = verdict.has_remainder;
-  json["where"] = where_json(verdict.where);
+  json["confidence"] = number(verdict.conclusion.confidence);
+  json["remainder"] = verdict.conclusion.has_remainder;
+  json["where"] = where_json(verdict.conclusion.where);
   json["budget"] = budget_json(verdict.budget);
-  json["causes"] = each(verdict.causes, cause_json);
+  json["causes"] = each(verdict.conclusion.causes, cause_json);
   json["fit"] = Json::object();
-  for (const auto& score : verdict.fit) json["fit"][score.record] = score_json(score);
+  for (const auto& score : verdict.comparison.fit) json["fit"][score.record] = score_json(score);
   json["refitted"] = Json::object();
-  for (const auto& parameter : verdict.refitted)
+  for (const auto& parameter : verdict.comparison.refitted)
     json["refitted"][parameter.name] = refitted_json(parameter);
-  json["proof_record"] = text_or_null(verdict.proof_record);
+  json["proof_record"] = text_or_null(verdict.comparison.proof_record);
   json["ablation"] = each(verdict.ablation, ablation_json);
-  json["proof"] = proof_json(verdict.proof);
-  json["residual_white"] = verdict.residual_white;
-  json["residual_correlation"] = numbers(verdict.residual_correlation);
-  json["correlation_bound"] =
-      verdict.correlation_bound > 0 ? number(verdict.correlation_bound) : Json(nullptr);
+  json["proof"] = proof_json(verdict.comparison.proof);
+  json["residual_white"] = verdict.comparison.residual.is_white;
+  json["residual_correlation"] = numbers(verdict.comparison.residual.correlation);
+  json["correlation_bound"] = verdict.comparison.residual.bound > 0
+                                  ? number(verdict.comparison.residual.bound)
+                                  : Json(nullptr);
   json["descriptions"] = each(verdict.descriptions, description_json);
   json["evidence"] = each(verdict.evidence, evidence_json);
   json["limits"] = verdict.limits;
-  json["assumed"] = verdict.assumed;
-  json["searched"] = verdict.searched;
-  json["next_test"] = text_or_null(verdict.next_test);
-  json["noise_model"] = verdict.noise_model;
-  json["noise_remedy"] = text_or_null(verdict.noise_remedy);
+  json["assumed"] = verdict.terms.assumed;
+  json["searched"] = verdict.terms.searched;
+  json["next_test"] = text_or_null(verdict.next.text);
+  json["noise_model"] = verdict.noise.source;
+  json["noise_remedy"] = text_or_null(verdict.noise.remedy);
   json["improved_model"] = text_or_null(improved_text(verdict));
   json["seconds"] = number(verdict.seconds);
   return json;

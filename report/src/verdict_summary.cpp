@@ -42,10 +42,11 @@ std::string intervals_text(const std::vector<std::pair<double, double>>& interva
 }
 
 std::string where_text(const Verdict& verdict) {
-  if (verdict.where.channel.empty()) return "";
-  return fmt::format("where     {}, {}{}{}\n", name_of(verdict.where.part), verdict.where.channel,
-                     intervals_text(verdict.where.intervals, "s"),
-                     intervals_text(verdict.where.bands, "Hz"));
+  if (verdict.conclusion.where.channel.empty()) return "";
+  return fmt::format("where     {}, {}{}{}\n", name_of(verdict.conclusion.where.part),
+                     verdict.conclusion.where.channel,
+                     intervals_text(verdict.conclusion.where.intervals, "s"),
+                     intervals_text(verdict.conclusion.where.bands, "Hz"));
 }
 
 std::string cause_text(const diagnosis::Cause& cause) {
@@ -77,7 +78,7 @@ std::string description_text(const Verdict& verdict) {
 // Parameters fitted without and with the named causes.
 std::string refitted_text(const Verdict& verdict) {
   std::string text;
-  for (const auto& p : verdict.refitted)
+  for (const auto& p : verdict.comparison.refitted)
     text += fmt::format("fitted    {:<44} {:.4g} without, {:.4g} with the named causes {}\n",
                         p.name, p.before, p.after, p.unit);
   return text;
@@ -88,27 +89,28 @@ std::string percent(double value) {
 }
 
 std::string scores_text(const Verdict& verdict) {
-  if (verdict.fit.empty()) return "";
+  if (verdict.comparison.fit.empty()) return "";
   std::size_t width = 8;
-  for (const auto& score : verdict.fit) width = std::max(width, score.record.size());
+  for (const auto& score : verdict.comparison.fit) width = std::max(width, score.record.size());
   std::string text = fmt::format("\n{:<{}}  {:<9} {:>10} {:>10} {:>10}\n", "error on", width, "",
                                  "before", "after", "noise");
-  for (const auto& score : verdict.fit)
+  for (const auto& score : verdict.comparison.fit)
     text += fmt::format("{:<{}}  {:<9} {:>10} {:>10} {:>10}\n", score.record, width,
-                        score.record == verdict.proof_record ? "proof" : score.use,
+                        score.record == verdict.comparison.proof_record ? "proof" : score.use,
                         percent(score.nrmse_before), percent(score.nrmse_after),
                         percent(score.noise_floor));
-  return text + fmt::format("the residual is {}\n", verdict.residual_white ? "white" : "not white");
+  return text + fmt::format("the residual is {}\n",
+                            verdict.comparison.residual.is_white ? "white" : "not white");
 }
 
 }  // namespace
 
 std::string verdict_summary(const Verdict& verdict) {
   std::string text = verdict.sentence + "\n\n" + where_text(verdict);
-  for (const auto& cause : verdict.causes) text += cause_text(cause);
+  for (const auto& cause : verdict.conclusion.causes) text += cause_text(cause);
   text += refitted_text(verdict);
   text += description_text(verdict);
-  if (!verdict.next_test.empty()) text += "next      " + verdict.next_test + "\n";
+  if (!verdict.next.text.empty()) text += "next      " + verdict.next.text + "\n";
   for (const auto& limit : verdict.limits) text += "limit     " + limit + "\n";
   return text + scores_text(verdict);
 }

@@ -27,14 +27,14 @@ budget::MismatchBudget budget_with(double error) {
 
 Verdict unknown_in(Part part) {
   Verdict verdict;
-  verdict.outcome = Outcome::Unknown;
-  verdict.where.part = part;
+  verdict.conclusion.outcome = Outcome::Unknown;
+  verdict.conclusion.where.part = part;
   Cause spurious;
   spurious.name = "actuator_delay";
   spurious.part = Part::Actuator;
-  verdict.causes = {spurious};
+  verdict.conclusion.causes = {spurious};
   verdict.sentence = "Unknown.";
-  verdict.fragment = "[machine.actuator_delay]";
+  verdict.improvement.fragment = "[machine.actuator_delay]";
   return verdict;
 }
 
@@ -42,13 +42,13 @@ TEST(BudgetOfAVerdict, NamesTheTransferSystemOfAnUnknownActuator) {
   Verdict verdict = unknown_in(Part::Actuator);
   add_budget(budget_with(0.002), verdict);
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
-  ASSERT_EQ(verdict.causes.size(), 1U);
-  EXPECT_EQ(verdict.causes[0].name, "transfer_system");
-  EXPECT_NEAR(verdict.causes[0].explained, 1 - 0.002 * 0.002 / (0.4 * 0.4), 1e-12);
-  EXPECT_EQ(verdict.causes[0].parameters[0].name, "transfer_system_long.gain");
-  EXPECT_EQ(verdict.fragment, "");
-  EXPECT_EQ(verdict.confidence, 0.8);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
+  ASSERT_EQ(verdict.conclusion.causes.size(), 1U);
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "transfer_system");
+  EXPECT_NEAR(verdict.conclusion.causes[0].explained, 1 - 0.002 * 0.002 / (0.4 * 0.4), 1e-12);
+  EXPECT_EQ(verdict.conclusion.causes[0].parameters[0].name, "transfer_system_long.gain");
+  EXPECT_EQ(verdict.improvement.fragment, "");
+  EXPECT_EQ(verdict.conclusion.confidence, 0.8);
   EXPECT_NE(verdict.sentence.find("18 % rms"), std::string::npos) << verdict.sentence;
 }
 
@@ -61,8 +61,8 @@ Verdict with_two_relations() {
   friction.part = Part::Machine;
   friction.channel = "force";
   friction.confidence = 0.7;
-  verdict.causes.push_back(friction);
-  verdict.unexplained = {"displacement", "force"};
+  verdict.conclusion.causes.push_back(friction);
+  verdict.conclusion.unexplained = {"displacement", "force"};
   Description of_displacement, of_force;
   of_displacement.form = "f(v)";
   of_displacement.channel = "displacement";
@@ -70,10 +70,10 @@ Verdict with_two_relations() {
   of_force.share = 0.6;
   of_force.channel = "force";
   verdict.descriptions = {of_displacement, of_force};
-  verdict.fragment =
+  verdict.improvement.fragment =
       "[machine.actuator_delay]\nkind = \"actuator_delay\"\ndelay_s = 0.01\n\n"
       "[machine.coulomb_friction]\nkind = \"coulomb_friction\"\nfriction_force_N = 100.0\n\n";
-  verdict.improved.file = Config::parse(
+  verdict.improvement.source.file = Config::parse(
       "[model]\nkind = \"platen\"\n"
       "fitted = [\"actuator_delay.delay\", \"coulomb_friction.friction_force\"]\n"
       "[model.bounds]\n\"actuator_delay.delay\" = [0, 1]\n"
@@ -87,10 +87,10 @@ TEST(BudgetOfAVerdict, KeepsCausesFormsAndRemainderOfTheForce) {
   Verdict verdict = with_two_relations();
   add_budget(budget_with(0.002), verdict);
 
-  ASSERT_EQ(verdict.causes.size(), 2U);
-  EXPECT_EQ(verdict.causes[1].name, "coulomb_friction");
-  EXPECT_EQ(verdict.confidence, 0.7);
-  EXPECT_TRUE(verdict.has_remainder);
+  ASSERT_EQ(verdict.conclusion.causes.size(), 2U);
+  EXPECT_EQ(verdict.conclusion.causes[1].name, "coulomb_friction");
+  EXPECT_EQ(verdict.conclusion.confidence, 0.7);
+  EXPECT_TRUE(verdict.conclusion.has_remainder);
   ASSERT_EQ(verdict.descriptions.size(), 1U);
   EXPECT_EQ(verdict.descriptions[0].form, "f(u)");
   EXPECT_EQ(verdict.sentence.find("Missing: tracking of the transfer system (actuator) and Coulomb "
@@ -110,9 +110,9 @@ TEST(BudgetOfAVerdict, WithdrawsTermsOfTheActuatorFromTheImprovedModels) {
   add_budget(budget_with(0.002), verdict);
 
   EXPECT_EQ(
-      verdict.fragment,
+      verdict.improvement.fragment,
       "[machine.coulomb_friction]\nkind = \"coulomb_friction\"\nfriction_force_N = 100.0\n\n");
-  const Config model = verdict.improved.file.table("model");
+  const Config model = verdict.improvement.source.file.table("model");
   EXPECT_FALSE(model.has("actuator_delay"));
   EXPECT_TRUE(model.has("coulomb_friction"));
   EXPECT_EQ(model.texts("fitted"), (std::vector<std::string>{"coulomb_friction.friction_force"}));
@@ -121,23 +121,23 @@ TEST(BudgetOfAVerdict, WithdrawsTermsOfTheActuatorFromTheImprovedModels) {
 
 TEST(BudgetOfAVerdict, HasNoRemainderIfOnlyTheActuatorWasUnknown) {
   Verdict verdict = unknown_in(Part::Actuator);
-  verdict.unexplained = {"displacement"};
+  verdict.conclusion.unexplained = {"displacement"};
   add_budget(budget_with(0.002), verdict);
 
-  EXPECT_FALSE(verdict.has_remainder);
+  EXPECT_FALSE(verdict.conclusion.has_remainder);
   EXPECT_EQ(verdict.sentence.find("the residual of"), std::string::npos) << verdict.sentence;
 }
 
 // The errors of the diagnosis are those of filtered signals.
 TEST(BudgetOfAVerdict, ComparesErrorsOfOneDefinition) {
   Verdict verdict = unknown_in(Part::Actuator);
-  verdict.proof.before = 0.05;
-  verdict.proof.floor = 1e-4;
+  verdict.comparison.proof.before = 0.05;
+  verdict.comparison.proof.floor = 1e-4;
   RecordScore fitted, unseen;
   fitted.use = "fit";
   unseen.use = "held_out";
   fitted.nrmse_before = unseen.nrmse_before = 0.05;
-  verdict.fit = {fitted, unseen};
+  verdict.comparison.fit = {fitted, unseen};
   auto found = budget_with(0.002);
   found.axes[0].held_out = 0.003;
   found.axes[0].held_out_without = 0.5;
@@ -145,31 +145,31 @@ TEST(BudgetOfAVerdict, ComparesErrorsOfOneDefinition) {
 
   add_budget(found, verdict);
 
-  EXPECT_EQ(verdict.fit[0].nrmse_before, 0.4);
-  EXPECT_EQ(verdict.fit[0].nrmse_after, 0.002);
-  EXPECT_EQ(verdict.fit[1].nrmse_before, 0.5);
-  EXPECT_EQ(verdict.fit[1].nrmse_after, 0.003);
-  EXPECT_EQ(verdict.fit[1].noise_floor, 0.001);
-  EXPECT_EQ(verdict.proof.before, 0.5);
-  EXPECT_EQ(verdict.proof.after, 0.003);
-  EXPECT_EQ(verdict.proof.floor, 0.001);
-  EXPECT_NEAR(verdict.proof.explained, (0.25 - 9e-6) / (0.25 - 1e-6), 1e-12);
-  EXPECT_EQ(verdict.causes[0].explained, verdict.proof.explained);
+  EXPECT_EQ(verdict.comparison.fit[0].nrmse_before, 0.4);
+  EXPECT_EQ(verdict.comparison.fit[0].nrmse_after, 0.002);
+  EXPECT_EQ(verdict.comparison.fit[1].nrmse_before, 0.5);
+  EXPECT_EQ(verdict.comparison.fit[1].nrmse_after, 0.003);
+  EXPECT_EQ(verdict.comparison.fit[1].noise_floor, 0.001);
+  EXPECT_EQ(verdict.comparison.proof.before, 0.5);
+  EXPECT_EQ(verdict.comparison.proof.after, 0.003);
+  EXPECT_EQ(verdict.comparison.proof.floor, 0.001);
+  EXPECT_NEAR(verdict.comparison.proof.explained, (0.25 - 9e-6) / (0.25 - 1e-6), 1e-12);
+  EXPECT_EQ(verdict.conclusion.causes[0].explained, verdict.comparison.proof.explained);
 }
 
 TEST(BudgetOfAVerdict, NamesNoTransferSystemThatDoesNotPredict) {
   Verdict verdict = unknown_in(Part::Actuator);
   add_budget(budget_with(0.1), verdict);
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
-  EXPECT_EQ(verdict.causes[0].name, "actuator_delay");
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "actuator_delay");
 }
 
 TEST(BudgetOfAVerdict, LeavesOtherVerdictsAndTellsTheShares) {
   Verdict verdict = unknown_in(Part::Bearing);
   add_budget(budget_with(0.002), verdict);
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
   EXPECT_EQ(verdict.sentence,
             "Unknown. The response of the test differs from that of the simulation by 30 % rms "
             "(long): tracking of the machine 90 %, the numerical side 10 %, remainder 0.1 % of it. "

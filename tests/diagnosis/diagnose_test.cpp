@@ -65,11 +65,11 @@ Case case_of(const Hidden& hidden) {
 TEST(Diagnosis, FindsNothingMissingInACompleteModel) {
   const Verdict verdict = diagnose(case_of({}));
 
-  EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
-  EXPECT_TRUE(verdict.causes.empty());
-  ASSERT_EQ(verdict.fit.size(), 3U);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::None) << verdict.sentence;
+  EXPECT_TRUE(verdict.conclusion.causes.empty());
+  ASSERT_EQ(verdict.comparison.fit.size(), 3U);
   // Two seconds at rest in each record give the low third octaves to about 30 %.
-  EXPECT_NEAR(verdict.fit[2].variance_after, 1, 0.3);
+  EXPECT_NEAR(verdict.comparison.fit[2].variance_after, 1, 0.3);
 }
 
 // White noise of deviation σ sampled every Δt has a velocity of 2π σ √(2 Δt f³/3) below f. The
@@ -140,7 +140,7 @@ TEST(Diagnosis, FindsNothingMissingInRecordsThatBeginInMotion) {
   const Verdict verdict = diagnose(c);
   std::printf("  %s\n", verdict.sentence.c_str());
 
-  EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::None) << verdict.sentence;
 }
 
 TEST(Diagnosis, NamesARestThatIsSampledFasterThanTheMotion) {
@@ -167,8 +167,8 @@ TEST(Diagnosis, QuotesTheFormOfTheResidualThatItShows) {
 
   const Verdict verdict = diagnose(c);
 
-  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
-  EXPECT_EQ(verdict.where.channel, "acceleration.long");
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.where.channel, "acceleration.long");
   EXPECT_NE(verdict.sentence.find("external periodic force at 4.1"), std::string::npos)
       << verdict.sentence;
   EXPECT_TRUE(std::any_of(verdict.descriptions.begin(), verdict.descriptions.end(),
@@ -208,7 +208,7 @@ TEST(Diagnosis, NamesTheFilterOfItsErrorsAndChannelsThatItIgnores) {
       verdict, "Not used by a model of kind 'platen': command.long, displacement.vertical."));
   EXPECT_TRUE(has_limit(verdict, "motion to force: errors are those of signals below 25 Hz"));
   EXPECT_FALSE(has_limit(verdict, "Check its unit"));
-  EXPECT_TRUE(verdict.noise_remedy.empty());
+  EXPECT_TRUE(verdict.noise.remedy.empty());
 }
 
 // The records move from second 2 on. Without quiet_s the diagnosis finds these seconds itself.
@@ -218,7 +218,7 @@ TEST(Diagnosis, SaysHowToMeasureTheNoise) {
 
   const Verdict verdict = diagnose(c);
 
-  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
   const auto at = verdict.sentence.find("quiet_s = [0, ");
   ASSERT_NE(at, std::string::npos) << verdict.sentence;
   const double end = std::stod(verdict.sentence.substr(at + 14));
@@ -237,26 +237,26 @@ TEST(Diagnosis, DoubtsADisplacementThatNoMachineReaches) {
 TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {
   const Verdict verdict = diagnose(case_of({.friction = 300}));
 
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
-  EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
-  EXPECT_EQ(verdict.where.part, Part::Machine);
-  EXPECT_DOUBLE_EQ(verdict.causes[0].explained, verdict.proof.explained);
-  const Estimate& force = verdict.causes[0].parameters[0];
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.causes.size(), 1U) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "coulomb_friction");
+  EXPECT_EQ(verdict.conclusion.where.part, Part::Machine);
+  EXPECT_DOUBLE_EQ(verdict.conclusion.causes[0].explained, verdict.comparison.proof.explained);
+  const Estimate& force = verdict.conclusion.causes[0].parameters[0];
   EXPECT_NEAR(force.value, 300, 10);
   EXPECT_LT(force.low, 300);
   EXPECT_GT(force.high, 300);
-  EXPECT_EQ(verdict.proof_record, "unseen");
-  const RecordScore& proof = verdict.fit.back();
+  EXPECT_EQ(verdict.comparison.proof_record, "unseen");
+  const RecordScore& proof = verdict.comparison.fit.back();
   EXPECT_LT(proof.nrmse_after, 0.3 * proof.nrmse_before);
   EXPECT_LT(proof.nrmse_after, 1.2 * proof.noise_floor);
-  EXPECT_NE(verdict.fragment.find("friction_force_N = "), std::string::npos);
+  EXPECT_NE(verdict.improvement.fragment.find("friction_force_N = "), std::string::npos);
 }
 
 TEST(Diagnosis, DescribesAnUnknownEffect) {
   const Verdict verdict = diagnose(case_of({.ripple = 200}));
 
-  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form.rfind("external periodic force at 7.3", 0), 0U)
       << verdict.descriptions[0].form;
@@ -264,9 +264,9 @@ TEST(Diagnosis, DescribesAnUnknownEffect) {
                            "on a record that it was not fitted to"})
     EXPECT_NE(verdict.sentence.find(part), std::string::npos) << verdict.sentence;
   // An external force is visible without motion.
-  EXPECT_EQ(verdict.next_test.rfind("no motion", 0), 0U) << verdict.next_test;
-  ASSERT_EQ(verdict.next_motion.channels.size(), 1U);
-  const auto& still = verdict.next_motion.channels[0].second;
+  EXPECT_EQ(verdict.next.text.rfind("no motion", 0), 0U) << verdict.next.text;
+  ASSERT_EQ(verdict.next.motion.channels.size(), 1U);
+  const auto& still = verdict.next.motion.channels[0].second;
   EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
 }
 
@@ -277,7 +277,7 @@ TEST(Diagnosis, SaysThatAFormExplainsPiecesOfItsOwnRecord) {
 
   const Verdict verdict = diagnose(c);
 
-  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
   EXPECT_NE(verdict.sentence.find("on pieces of the records that it was not fitted to"),
             std::string::npos)
       << verdict.sentence;
@@ -290,28 +290,30 @@ TEST(Diagnosis, SaysUnknownWhenTheTermIsExcluded) {
                             "position_dependent_friction", "bouc_wen", "asymmetric_hysteresis",
                             "velocity_dependent_friction", "power_damping"}});
 
-  EXPECT_TRUE(verdict.outcome == Outcome::Unknown || verdict.has_remainder) << verdict.sentence;
+  EXPECT_TRUE(verdict.conclusion.outcome == Outcome::Unknown || verdict.conclusion.has_remainder)
+      << verdict.sentence;
   // Friction is a function of velocity, f(v), or one whose size may depend on displacement.
-  EXPECT_NE(verdict.next_test.find("velocity most evenly"), std::string::npos) << verdict.next_test;
+  EXPECT_NE(verdict.next.text.find("velocity most evenly"), std::string::npos) << verdict.next.text;
 }
 
 TEST(Diagnosis, FindsCoarseQuantisationInTheSamples) {
   const Verdict verdict = diagnose(case_of({.force_step = 400}));
 
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  EXPECT_EQ(verdict.causes[0].name, "force_quantisation");
-  EXPECT_NEAR(verdict.causes[0].parameters[0].value, 400, 1e-6);
-  EXPECT_TRUE(std::isnan(verdict.causes[0].explained));  // steps are found in the samples
-  EXPECT_EQ(verdict.where.part, Part::Sensor);
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "force_quantisation");
+  EXPECT_NEAR(verdict.conclusion.causes[0].parameters[0].value, 400, 1e-6);
+  EXPECT_TRUE(
+      std::isnan(verdict.conclusion.causes[0].explained));  // steps are found in the samples
+  EXPECT_EQ(verdict.conclusion.where.part, Part::Sensor);
 }
 
 TEST(Diagnosis, BlamesTheLoadCellForItsRange) {
   const Verdict verdict = diagnose(case_of({.saturation = 14'000}));
 
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  EXPECT_EQ(verdict.causes[0].name, "force_saturation");
-  EXPECT_EQ(verdict.where.part, Part::Sensor);
-  const Estimate& limit = verdict.causes[0].parameters[0];
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "force_saturation");
+  EXPECT_EQ(verdict.conclusion.where.part, Part::Sensor);
+  const Estimate& limit = verdict.conclusion.causes[0].parameters[0];
   EXPECT_NEAR(limit.value, 14'000, 50);
   EXPECT_LT(limit.high - limit.low, 200);
 }
@@ -321,9 +323,9 @@ TEST(Diagnosis, BlamesTheLoadCellForItsRange) {
 TEST(Diagnosis, NamesAStopBehindAGap) {
   const Verdict verdict = diagnose(case_of({.stop = 3e5}));
 
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
-  const Cause& cause = verdict.causes[0];
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.causes.size(), 1U) << verdict.sentence;
+  const Cause& cause = verdict.conclusion.causes[0];
   ASSERT_FALSE(cause.alternatives.empty()) << verdict.sentence;
   EXPECT_EQ(cause.name, "gap_contact");
   EXPECT_EQ(cause.alternatives[0].name, "large_strain_stiffening");
@@ -349,7 +351,7 @@ TEST(Diagnosis, RejectsUnknownTerms) {
 TEST(Diagnosis, MapsAllVisitedStates) {
   const Verdict verdict = diagnose(case_of({.friction = 300}));
 
-  const Where& where = verdict.where;
+  const Where& where = verdict.conclusion.where;
   ASSERT_GT(where.state_map.size(), where.states.size());
   double all = 0, smallest_set = 0;
   for (const auto& cell : where.state_map) all += std::max(0.0, cell.share);
@@ -357,14 +359,14 @@ TEST(Diagnosis, MapsAllVisitedStates) {
   EXPECT_GE(smallest_set, 0.8);
   EXPECT_GE(all, smallest_set);
   // White noise of about 950 rows.
-  EXPECT_NEAR(verdict.correlation_bound, 1.96 / std::sqrt(950), 2e-3);
+  EXPECT_NEAR(verdict.comparison.residual.bound, 1.96 / std::sqrt(950), 2e-3);
 }
 
 TEST(Diagnosis, MapsTheExcessOverAccelerationAndDissipatedEnergy) {
   const Verdict verdict = diagnose(case_of({.friction = 300}));
 
   const auto profile = [&](const std::string& name) {
-    const auto& all = verdict.where.profiles;
+    const auto& all = verdict.conclusion.where.profiles;
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const Profile& one) { return one.name == name; });
     return found == all.end() ? Profile{} : *found;
@@ -389,7 +391,8 @@ TEST(Diagnosis, GivesTheSameVerdictForTheSameSeed) {
   const Verdict one = diagnose(c), other = diagnose(c);
 
   EXPECT_EQ(one.sentence, other.sentence);
-  EXPECT_EQ(one.causes[0].parameters[0].value, other.causes[0].parameters[0].value);
+  EXPECT_EQ(one.conclusion.causes[0].parameters[0].value,
+            other.conclusion.causes[0].parameters[0].value);
 }
 
 }  // namespace

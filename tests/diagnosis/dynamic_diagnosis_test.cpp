@@ -153,17 +153,17 @@ class UserSystem : public ::testing::TestWithParam<LeftOut> {
     const auto& names = GetParam().names;
     RecordProperty("sentence", verdict.sentence);
     if (names.empty()) {
-      EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+      EXPECT_EQ(verdict.conclusion.outcome, Outcome::None) << verdict.sentence;
       return;
     }
-    ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-    ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
-    const Cause& cause = verdict.causes[0];
+    ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+    ASSERT_EQ(verdict.conclusion.causes.size(), 1U) << verdict.sentence;
+    const Cause& cause = verdict.conclusion.causes[0];
     EXPECT_NE(std::find(names.begin(), names.end(), cause.name + " at " + cause.channel),
               names.end())
         << cause.name << " at " << cause.channel << ": " << verdict.sentence;
     EXPECT_GT(cause.explained, 0.95) << verdict.sentence;
-    const RecordScore& proof = verdict.fit.back();
+    const RecordScore& proof = verdict.comparison.fit.back();
     EXPECT_LT(proof.nrmse_after, 1.2 * proof.noise_floor + by_jumps()) << verdict.sentence;
     EXPECT_GT(proof.nrmse_before, 2 * proof.nrmse_after) << verdict.sentence;
   }
@@ -322,11 +322,11 @@ predicted.output.y = "simulated [V]"
 kind = "data"
 )"));
 
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  EXPECT_EQ(verdict.causes[0].name, "gain");
-  ASSERT_FALSE(verdict.where.bands.empty());
-  EXPECT_GT(verdict.where.bands.front().first, 45);
-  EXPECT_LT(verdict.where.bands.back().second, 91);
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "gain");
+  ASSERT_FALSE(verdict.conclusion.where.bands.empty());
+  EXPECT_GT(verdict.conclusion.where.bands.front().first, 45);
+  EXPECT_LT(verdict.conclusion.where.bands.back().second, 91);
 }
 
 }  // namespace

@@ -84,7 +84,7 @@ damping_N_s_per_m = 5
 }
 
 void expect_form(const Verdict& verdict, const std::string& form) {
-  ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
   ASSERT_FALSE(verdict.descriptions.empty());
   const Description& best = verdict.descriptions[0];
   std::string all;

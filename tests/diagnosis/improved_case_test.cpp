@@ -48,18 +48,19 @@ class ImprovedCase : public ::testing::Test {
     return result;
   }
   static void check(const RoundTrip& trip, const std::string& name) {
-    ASSERT_EQ(trip.first.outcome, Outcome::Missing) << trip.first.sentence;
-    EXPECT_EQ(trip.first.causes[0].name, name) << trip.first.sentence;
+    ASSERT_EQ(trip.first.conclusion.outcome, Outcome::Missing) << trip.first.sentence;
+    EXPECT_EQ(trip.first.conclusion.causes[0].name, name) << trip.first.sentence;
     ASSERT_FALSE(trip.second.sentence.empty()) << "there is no improved case";
     // A residual may remain, but no further term.
-    EXPECT_TRUE(trip.second.causes.empty()) << trip.second.sentence;
+    EXPECT_TRUE(trip.second.conclusion.causes.empty()) << trip.second.sentence;
     EXPECT_EQ(trip.second.case_name, "first, improved");
-    const RecordScore &before = trip.first.fit.back(), &after = trip.second.fit.back();
+    const RecordScore &before = trip.first.comparison.fit.back(),
+                      &after = trip.second.comparison.fit.back();
     EXPECT_EQ(after.record, before.record);
     // The file has nine digits of each parameter.
     EXPECT_NEAR(after.nrmse_stated, before.nrmse_after, 1e-3 * before.nrmse_after);
-    for (const auto& stated : trip.second.refitted)
-      for (const auto& fitted : trip.first.refitted)
+    for (const auto& stated : trip.second.comparison.refitted)
+      for (const auto& fitted : trip.first.comparison.refitted)
         if (stated.name == fitted.name) {
           EXPECT_NEAR(stated.stated, fitted.after, 1e-7 * std::abs(fitted.after)) << stated.name;
         }
@@ -334,9 +335,9 @@ channel = "force"
 offset_N = 0
 )");
 
-  ASSERT_EQ(trip.first.causes.size(), 1U) << trip.first.sentence;
-  EXPECT_EQ(trip.first.causes[0].name, "force_quantisation");
-  EXPECT_EQ(trip.second.outcome, Outcome::None) << trip.second.sentence;
+  ASSERT_EQ(trip.first.conclusion.causes.size(), 1U) << trip.first.sentence;
+  EXPECT_EQ(trip.first.conclusion.causes[0].name, "force_quantisation");
+  EXPECT_EQ(trip.second.conclusion.outcome, Outcome::None) << trip.second.sentence;
 }
 
 // The prediction of another program belongs to the case from then on.
@@ -361,8 +362,8 @@ TEST_F(ImprovedCase, OfAnotherSimulationRefersToItsFile) {
   static_cast<void>(report::write_diagnosis(first, folder_.path() / "out"));
   const Verdict second = diagnose(load_case(folder_.path() / "out/improved"));
 
-  ASSERT_EQ(first.outcome, Outcome::Missing) << first.sentence;
-  EXPECT_EQ(second.outcome, Outcome::None) << second.sentence;
+  ASSERT_EQ(first.conclusion.outcome, Outcome::Missing) << first.sentence;
+  EXPECT_EQ(second.conclusion.outcome, Outcome::None) << second.sentence;
 }
 
 }  // namespace

@@ -109,9 +109,9 @@ TEST(Intervals, HaveTheirStatedCoverageAndAreNotTooWide) {
   double half = 0, square = 0;
   for (unsigned seed = 1; seed <= kRepetitions; ++seed) {
     const Verdict verdict = diagnose(case_of(seed));
-    ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
-    ASSERT_EQ(verdict.causes[0].name, "quadratic_drag") << verdict.sentence;
-    const Estimate& drag = verdict.causes[0].parameters[0];
+    ASSERT_EQ(verdict.conclusion.causes.size(), 1U) << verdict.sentence;
+    ASSERT_EQ(verdict.conclusion.causes[0].name, "quadratic_drag") << verdict.sentence;
+    const Estimate& drag = verdict.conclusion.causes[0].parameters[0];
     held += drag.low <= kTrueDrag && kTrueDrag <= drag.high ? 1 : 0;
     half += (drag.high - drag.low) / 2 / kRepetitions;
     square += std::pow(drag.value - kTrueDrag, 2) / kRepetitions;

@@ -60,10 +60,10 @@ Case case_of(Hidden hidden, double force = 1, double length = 1) {
 }
 
 void expect_friction(const Verdict& verdict, double force) {
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  ASSERT_EQ(verdict.causes.size(), 1U) << verdict.sentence;
-  EXPECT_EQ(verdict.causes[0].name, "coulomb_friction");
-  EXPECT_NEAR(verdict.causes[0].parameters[0].value, 300 / force, 6 / force);
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.causes.size(), 1U) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "coulomb_friction");
+  EXPECT_NEAR(verdict.conclusion.causes[0].parameters[0].value, 300 / force, 6 / force);
 }
 
 TEST(Invariance, FrictionIsNamedInAnyUnitOfForce) {
@@ -88,7 +88,7 @@ TEST(Invariance, AFormIsDescribedAlikeInAnyUnitOfForce) {
   for (const double unit : {1.0, 1e-3, 1e6}) {
     SCOPED_TRACE(unit);
     const Verdict verdict = diagnose(case_of(Hidden::Cogging, unit), options);
-    ASSERT_EQ(verdict.outcome, Outcome::Unknown) << verdict.sentence;
+    ASSERT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
     ASSERT_FALSE(verdict.descriptions.empty());
     EXPECT_EQ(verdict.descriptions[0].form, "periodic in displacement");
     EXPECT_GT(verdict.descriptions[0].share, 0.95);
@@ -111,7 +111,8 @@ TEST(Invariance, NamesOfRecordsDoNotMatter) {
   for (auto& record : c.records) record.name = "z " + record.name;
   const Verdict after = diagnose(c);
   expect_friction(after, 1);
-  EXPECT_EQ(after.causes[0].parameters[0].value, before.causes[0].parameters[0].value);
+  EXPECT_EQ(after.conclusion.causes[0].parameters[0].value,
+            before.conclusion.causes[0].parameters[0].value);
 }
 
 // Every other sample, of a signal far below the new Nyquist frequency.

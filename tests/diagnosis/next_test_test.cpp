@@ -57,8 +57,8 @@ Record recorded(const std::string& name, Use use, const Specimen& specimen, cons
 
 // The motion that a verdict proposes, interpolated between its samples.
 Motion proposed(const Verdict& verdict) {
-  const auto values = verdict.next_motion.channels.at(0).second;
-  const double step = verdict.next_motion.time_step;
+  const auto values = verdict.next.motion.channels.at(0).second;
+  const double step = verdict.next.motion.time_step;
   return [=](double t) {
     const double position =
         std::clamp(t / step, 0.0, static_cast<double>(values.size() - 1) - 1e-9);
@@ -68,14 +68,14 @@ Motion proposed(const Verdict& verdict) {
 }
 
 double length_of(const Verdict& verdict) {
-  return static_cast<double>(verdict.next_motion.channels.at(0).second.size()) *
-         verdict.next_motion.time_step;
+  return static_cast<double>(verdict.next.motion.channels.at(0).second.size()) *
+         verdict.next.motion.time_step;
 }
 
 bool is_tied(const Verdict& verdict, const std::string& name) {
-  if (verdict.causes.empty()) return false;
-  const auto& others = verdict.causes[0].alternatives;
-  return verdict.causes[0].name == name ||
+  if (verdict.conclusion.causes.empty()) return false;
+  const auto& others = verdict.conclusion.causes[0].alternatives;
+  return verdict.conclusion.causes[0].name == name ||
          std::any_of(others.begin(), others.end(),
                      [&](const Alternative& other) { return other.name == name; });
 }
@@ -124,19 +124,19 @@ TEST(NextTest, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
   DiagnosisOptions options;
   options.without = {"velocity_dependent_friction"};
   const Verdict tied = diagnose(c, options);
-  ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
+  ASSERT_EQ(tied.conclusion.outcome, Outcome::Missing) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "viscous_friction")) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "viscoelastic_relaxation")) << tied.sentence;
-  ASSERT_FALSE(tied.next_test.empty()) << tied.sentence;
+  ASSERT_FALSE(tied.next.text.empty()) << tied.sentence;
 
   c.records.push_back(recorded("next", Use::Fit, rubber(kRelaxationTime), proposed(tied),
                                length_of(tied), {"displacement.long", "force.long", "N", 2e-7, 20},
                                4));
   const Verdict decided = diagnose(c, options);
 
-  ASSERT_EQ(decided.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
-  EXPECT_EQ(decided.causes[0].name, "viscoelastic_relaxation") << decided.sentence;
-  EXPECT_TRUE(decided.causes[0].alternatives.empty()) << decided.sentence;
+  ASSERT_EQ(decided.conclusion.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
+  EXPECT_EQ(decided.conclusion.causes[0].name, "viscoelastic_relaxation") << decided.sentence;
+  EXPECT_TRUE(decided.conclusion.causes[0].alternatives.empty()) << decided.sentence;
 }
 
 // A spring, and friction of the guides in proportion to the load, with 0.01 mm of presliding.
@@ -168,12 +168,12 @@ TEST(NextTest, SeparatesFrictionThatDependsOnTheLoadByAnotherLoad) {
 
   const Verdict tied = diagnose(c);
 
-  ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
+  ASSERT_EQ(tied.conclusion.outcome, Outcome::Missing) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "coulomb_friction")) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "load_dependent_friction")) << tied.sentence;
-  EXPECT_NE(tied.next_test.find("load_dependent_friction"), std::string::npos) << tied.sentence;
-  EXPECT_TRUE(tied.next_test.starts_with("empty table") ||
-              tied.next_test.find("at vertical_force of") != std::string::npos)
+  EXPECT_NE(tied.next.text.find("load_dependent_friction"), std::string::npos) << tied.sentence;
+  EXPECT_TRUE(tied.next.text.starts_with("empty table") ||
+              tied.next.text.find("at vertical_force of") != std::string::npos)
       << tied.sentence;
 }
 
@@ -215,17 +215,17 @@ TEST_P(LateActuator, IsIdentifiedByTheProposedTest) {
                recorded("unseen", Use::HeldOut, specimen, sine(0.02, 0.5), kLength, channels, 3)};
   c.model.kind = "servo_axis";
   const Verdict tied = diagnose(c);
-  ASSERT_EQ(tied.outcome, Outcome::Missing) << tied.sentence;
+  ASSERT_EQ(tied.conclusion.outcome, Outcome::Missing) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "actuator_delay")) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "first_order_lag")) << tied.sentence;
-  ASSERT_FALSE(tied.next_test.empty()) << tied.sentence;
+  ASSERT_FALSE(tied.next.text.empty()) << tied.sentence;
 
   c.records.push_back(
       recorded("next", Use::Fit, specimen, proposed(tied), length_of(tied), channels, 4));
   const Verdict decided = diagnose(c);
 
-  ASSERT_EQ(decided.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
-  EXPECT_EQ(decided.causes[0].name, name) << decided.sentence;
+  ASSERT_EQ(decided.conclusion.causes.size(), 1U) << tied.sentence << "\n" << decided.sentence;
+  EXPECT_EQ(decided.conclusion.causes[0].name, name) << decided.sentence;
   // A term that includes a lag as a special case, such as a second-order lag, stays possible.
   EXPECT_FALSE(is_tied(decided, rival)) << decided.sentence;
 }

@@ -107,7 +107,7 @@ TEST(Plan, SaysHowRecordsAreUsed) {
   EXPECT_EQ(plan.records[2].role, "proof; noise at rest");
   EXPECT_NEAR(plan.records[0].duration, test_support::kLength, 1e-9);
   EXPECT_EQ(plan.relations.back().relation, "motion to force");
-  EXPECT_TRUE(plan.noise_remedy.empty());
+  EXPECT_TRUE(plan.noise.remedy.empty());
 }
 
 // Three times the size that the plan calls detectable is found, a third of it is not.
@@ -118,9 +118,9 @@ TEST(Plan, StatesTheSizeFromWhichFrictionIsFound) {
   const Verdict large = diagnose(with_friction(3 * size));
   const Verdict small = diagnose(with_friction(size / 3));
 
-  ASSERT_EQ(large.outcome, Outcome::Missing) << 3 * size << " N: " << large.sentence;
-  EXPECT_EQ(large.causes[0].name, "coulomb_friction") << large.sentence;
-  EXPECT_TRUE(small.causes.empty()) << size / 3 << " N: " << small.sentence;
+  ASSERT_EQ(large.conclusion.outcome, Outcome::Missing) << 3 * size << " N: " << large.sentence;
+  EXPECT_EQ(large.conclusion.causes[0].name, "coulomb_friction") << large.sentence;
+  EXPECT_TRUE(small.conclusion.causes.empty()) << size / 3 << " N: " << small.sentence;
 }
 
 // In a sine of one frequency, the force of a mass is that of a spring: m x'' = -m w^2 x.

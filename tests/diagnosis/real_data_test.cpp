@@ -40,7 +40,7 @@ class RealData : public testing::Test {
   // Over all held-out records, weighted with the energy of their measured signals.
   [[nodiscard]] double held_out(const Verdict& verdict, double RecordScore::*error) const {
     double errors = 0, all = 0;
-    for (const auto& score : verdict.fit) {
+    for (const auto& score : verdict.comparison.fit) {
       if (score.use != "held_out") continue;
       const auto record = std::find_if(case_.records.begin(), case_.records.end(),
                                        [&](const Record& r) { return r.name == score.record; });
@@ -55,7 +55,7 @@ class RealData : public testing::Test {
                 held_out(verdict, &RecordScore::nrmse_stated),
                 held_out(verdict, &RecordScore::nrmse_before),
                 held_out(verdict, &RecordScore::nrmse_after));
-    for (const auto& p : verdict.refitted)
+    for (const auto& p : verdict.comparison.refitted)
       std::printf("  %-40s %.6g without, %.6g with %s\n", p.name.c_str(), p.before, p.after,
                   p.unit.c_str());
   }
@@ -73,22 +73,22 @@ class RealData : public testing::Test {
     };
     RecordProperty("recording", recording_);
     RecordProperty("without", without.empty() ? "" : without.front());
-    RecordProperty("outcome", name_of(verdict.outcome));
+    RecordProperty("outcome", name_of(verdict.conclusion.outcome));
     RecordProperty("sentence", verdict.sentence);
     // The last held-out record is the one that the verdict's sentence calls unseen.
-    const auto unseen = std::find_if(verdict.fit.rbegin(), verdict.fit.rend(),
+    const auto unseen = std::find_if(verdict.comparison.fit.rbegin(), verdict.comparison.fit.rend(),
                                      [](const auto& score) { return score.use == "held_out"; });
-    ASSERT_NE(unseen, verdict.fit.rend());
+    ASSERT_NE(unseen, verdict.comparison.fit.rend());
     property("nrmse_stated", unseen->nrmse_stated);
     property("nrmse_before", unseen->nrmse_before);
     property("nrmse_after", unseen->nrmse_after);
     property("noise_floor", unseen->noise_floor);
-    for (const auto& cause : verdict.causes)
+    for (const auto& cause : verdict.conclusion.causes)
       for (const auto& parameter : cause.parameters) {
         property(parameter.name, parameter.value);
         property(parameter.name + ".half_width", (parameter.high - parameter.low) / 2);
       }
-    for (const auto& parameter : verdict.refitted) {
+    for (const auto& parameter : verdict.comparison.refitted) {
       property(parameter.name + ".before", parameter.before);
       property(parameter.name + ".after", parameter.after);
     }
@@ -107,15 +107,15 @@ class RealData : public testing::Test {
 
 Names names_of(const Verdict& verdict) {
   Names names;
-  for (const auto& cause : verdict.causes) names.push_back(cause.name);
+  for (const auto& cause : verdict.conclusion.causes) names.push_back(cause.name);
   return names;
 }
 
 double value_of(const Verdict& verdict, const std::string& name) {
-  for (const auto& cause : verdict.causes)
+  for (const auto& cause : verdict.conclusion.causes)
     for (const auto& parameter : cause.parameters)
       if (parameter.name == name) return parameter.value;
-  for (const auto& parameter : verdict.refitted)
+  for (const auto& parameter : verdict.comparison.refitted)
     if (parameter.name == name) return parameter.after;
   ADD_FAILURE() << "the verdict has no " << name;
   return 0;
@@ -137,7 +137,7 @@ TEST_F(RealData, EmpsHasCoulombFrictionAndAnOffsetAsPublished) {
 
   const Verdict verdict = diagnosed({"asymmetric_viscous", "asymmetric_friction"});
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
   EXPECT_EQ(names_of(verdict), (Names{"coulomb_friction", "force_offset"}));
   const std::pair<const char*, double> kPublished[] = {{"platen_inertia.mass", 95.1089},
                                                        {"viscous_friction.coefficient", 203.5034},
@@ -154,13 +154,13 @@ TEST_F(RealData, EmpsHasMoreFrictionBackwardsThanForwards) {
 
   const Verdict verdict = diagnosed();
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
   EXPECT_EQ(names_of(verdict), (Names{"coulomb_friction", "asymmetric_viscous", "power_damping"}));
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.036);
   print_refit(verdict);
   // Without dry friction in the model, the fitted viscous friction is about twice its value.
-  ASSERT_EQ(verdict.refitted.size(), 2U);
-  EXPECT_GT(verdict.refitted[1].before, 1.9 * 203.5034);
+  ASSERT_EQ(verdict.comparison.refitted.size(), 2U);
+  EXPECT_GT(verdict.comparison.refitted[1].before, 1.9 * 203.5034);
 }
 
 TEST_F(RealData, EmpsWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity) {
@@ -169,7 +169,7 @@ TEST_F(RealData, EmpsWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity)
 
   const Verdict verdict = diagnosed(kFriction);
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form, "f(v)");
 }
@@ -180,9 +180,9 @@ TEST_F(RealData, SilverboxHasACubicSpring) {
 
   const Verdict verdict = diagnosed();
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
-  ASSERT_FALSE(verdict.causes.empty());
-  EXPECT_EQ(verdict.causes[0].name, "cubic_stiffness");
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.conclusion.causes.empty());
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "cubic_stiffness");
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.0102);
   print_refit(verdict);
 }
@@ -194,7 +194,7 @@ TEST_F(RealData, SilverboxWithoutItInTheCatalogueIsUnknownAndDependsOnDisplaceme
   const Verdict verdict = diagnosed({"cubic_stiffness", "polynomial_stiffness", "gap_contact",
                                      "piecewise_stiffness", "large_strain_stiffening"});
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form, "f(u) between mass 1 and the ground");
   EXPECT_GT(verdict.descriptions[0].share, 0.9);
@@ -212,12 +212,12 @@ class ActuatorExample : public RealData {
 TEST_F(ActuatorExample, LagsAndIsNotOnlyDelayed) {
   const Verdict verdict = diagnosed();
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
-  ASSERT_FALSE(verdict.causes.empty());
-  EXPECT_NE(verdict.causes[0].name, "actuator_delay");
-  EXPECT_TRUE(verdict.causes[0].name.find("lag") != std::string::npos ||
-              verdict.causes[0].name == "actuator_bandwidth")
-      << verdict.causes[0].name;
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.conclusion.causes.empty());
+  EXPECT_NE(verdict.conclusion.causes[0].name, "actuator_delay");
+  EXPECT_TRUE(verdict.conclusion.causes[0].name.find("lag") != std::string::npos ||
+              verdict.conclusion.causes[0].name == "actuator_bandwidth")
+      << verdict.conclusion.causes[0].name;
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.054);
   print_refit(verdict);
 }
@@ -228,7 +228,7 @@ TEST_F(ActuatorExample, WithoutLagsInTheCatalogueIsUnknownAndDependsOnVelocity) 
       diagnosed({"actuator_delay", "first_order_lag", "actuator_bandwidth", "oil_column_resonance",
                  "valve_deadband", "rate_saturation", "gain"});
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_NE(verdict.descriptions[0].form.find('v'), std::string::npos)
       << verdict.descriptions[0].form;
@@ -240,9 +240,9 @@ TEST_F(RealData, MrDamperHasFrictionThatDependsOnItsCurrent) {
 
   const Verdict verdict = diagnosed();
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
-  ASSERT_FALSE(verdict.causes.empty());
-  EXPECT_EQ(verdict.causes[0].name, "current_dependent_friction");
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.conclusion.causes.empty());
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "current_dependent_friction");
   EXPECT_GT(value_of(verdict, "current_dependent_friction.force_per_current"), 800);
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.156);
   print_refit(verdict);
@@ -256,7 +256,7 @@ TEST_F(RealData, MrDamperWithoutItInTheCatalogueIsUnknownAndDependsOnVelocityAnd
   without.emplace_back("current_dependent_friction");
   const Verdict verdict = diagnosed(without);
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_EQ(verdict.descriptions[0].form, "sgn(v) g(I)");
 }
@@ -267,9 +267,9 @@ TEST_F(RealData, FrictionDeviceHasFrictionBehindPlay) {
 
   const Verdict verdict = diagnosed();
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing);
-  ASSERT_FALSE(verdict.causes.empty());
-  EXPECT_EQ(verdict.causes[0].name, "asymmetric_hysteresis");
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing);
+  ASSERT_FALSE(verdict.conclusion.causes.empty());
+  EXPECT_EQ(verdict.conclusion.causes[0].name, "asymmetric_hysteresis");
   const double play = value_of(verdict, "asymmetric_hysteresis.play");
   EXPECT_GT(play, 2e-3);
   EXPECT_LT(play, 7e-3);
@@ -286,7 +286,7 @@ TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownWithoutAFor
   without.insert(without.end(), {"mount_slack", "transducer_backlash", "force_saturation"});
   const Verdict verdict = diagnosed(without);
 
-  EXPECT_EQ(verdict.outcome, Outcome::Unknown);
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown);
   ASSERT_FALSE(verdict.descriptions.empty());
   EXPECT_LT(verdict.descriptions[0].share, 0.5);
 }

@@ -81,7 +81,7 @@ Verdict verdict_of(const Bearing& bearing) {
 
 std::vector<std::string> names_of(const Verdict& verdict) {
   std::vector<std::string> names;
-  for (const auto& cause : verdict.causes) names.push_back(cause.name);
+  for (const auto& cause : verdict.conclusion.causes) names.push_back(cause.name);
   return names;
 }
 
@@ -95,36 +95,40 @@ TEST(Rule, IsAcceptedIfItIsRight) {
 TEST(Rule, OfUnloadingIsFoundTogetherWithFriction) {
   const Verdict verdict = verdict_of({.loop = {.beta = 0.2}, .friction = 400});
 
-  EXPECT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
   ASSERT_EQ(names_of(verdict), (Names{"coulomb_friction", "unloading_rule"})) << verdict.sentence;
-  EXPECT_FALSE(verdict.causes[0].is_rule);
-  EXPECT_TRUE(verdict.causes[1].is_rule);
-  EXPECT_NEAR(verdict.causes[0].parameters[0].value, 400, 10);
-  EXPECT_NEAR(verdict.causes[1].parameters[0].value, 0.2, 0.01);
-  EXPECT_EQ(verdict.where.part, Part::Machine);
-  EXPECT_LT(verdict.fit.back().nrmse_after, 1.2 * verdict.fit.back().noise_floor);
-  EXPECT_NE(verdict.fragment.find("[specimen.bouc_wen]"), std::string::npos) << verdict.fragment;
-  EXPECT_NE(verdict.fragment.find("\nbeta = 0."), std::string::npos) << verdict.fragment;
+  EXPECT_FALSE(verdict.conclusion.causes[0].is_rule);
+  EXPECT_TRUE(verdict.conclusion.causes[1].is_rule);
+  EXPECT_NEAR(verdict.conclusion.causes[0].parameters[0].value, 400, 10);
+  EXPECT_NEAR(verdict.conclusion.causes[1].parameters[0].value, 0.2, 0.01);
+  EXPECT_EQ(verdict.conclusion.where.part, Part::Machine);
+  EXPECT_LT(verdict.comparison.fit.back().nrmse_after,
+            1.2 * verdict.comparison.fit.back().noise_floor);
+  EXPECT_NE(verdict.improvement.fragment.find("[specimen.bouc_wen]"), std::string::npos)
+      << verdict.improvement.fragment;
+  EXPECT_NE(verdict.improvement.fragment.find("\nbeta = 0."), std::string::npos)
+      << verdict.improvement.fragment;
 }
 
 TEST(Rule, OfTwoLoopsIsASecondTermOfTheModel) {
   const Verdict verdict = verdict_of({.second = {.strength = 2e4, .yield = 0.04}});
 
   ASSERT_EQ(names_of(verdict), Names{"second_loop"}) << verdict.sentence;
-  EXPECT_TRUE(verdict.causes[0].is_rule);
-  EXPECT_EQ(verdict.where.part, Part::Bearing);
-  EXPECT_NE(verdict.fragment.find("[specimen.second_loop]\nkind = \"bouc_wen\""), std::string::npos)
-      << verdict.fragment;
+  EXPECT_TRUE(verdict.conclusion.causes[0].is_rule);
+  EXPECT_EQ(verdict.conclusion.where.part, Part::Bearing);
+  EXPECT_NE(verdict.improvement.fragment.find("[specimen.second_loop]\nkind = \"bouc_wen\""),
+            std::string::npos)
+      << verdict.improvement.fragment;
 }
 
 TEST(Rule, WithSlipReplacesTheFirstOne) {
   const Verdict verdict = verdict_of({.loop = {.slip = 0.01}});
 
   ASSERT_EQ(names_of(verdict), Names{"bouc_wen_slip"}) << verdict.sentence;
-  EXPECT_NEAR(verdict.causes[0].parameters[0].value, 0.01, 5e-4);
-  EXPECT_NE(verdict.fragment.find("[specimen.bouc_wen]\nkind = \"bouc_wen_slip\""),
+  EXPECT_NEAR(verdict.conclusion.causes[0].parameters[0].value, 0.01, 5e-4);
+  EXPECT_NE(verdict.improvement.fragment.find("[specimen.bouc_wen]\nkind = \"bouc_wen_slip\""),
             std::string::npos)
-      << verdict.fragment;
+      << verdict.improvement.fragment;
 }
 
 }  // namespace

@@ -68,12 +68,13 @@ Verdict verdict_on(const Law& longitudinal, const Law& lateral,
 
 // The first cause, and the axis in the lines that would add it to the model; "": both.
 void expect(const Verdict& verdict, const std::string& name, const std::string& axis) {
-  ASSERT_EQ(verdict.outcome, Outcome::Missing) << verdict.sentence;
-  ASSERT_FALSE(verdict.causes.empty()) << verdict.sentence;
-  EXPECT_EQ(verdict.causes[0].name, name) << verdict.sentence;
+  ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
+  ASSERT_FALSE(verdict.conclusion.causes.empty()) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.causes[0].name, name) << verdict.sentence;
   for (const std::string one : {"long", "lat"}) {
-    const bool is_there = verdict.fragment.find("axes = [\"" + one + "\"]") != std::string::npos;
-    EXPECT_EQ(is_there, one == axis) << verdict.fragment;
+    const bool is_there =
+        verdict.improvement.fragment.find("axes = [\"" + one + "\"]") != std::string::npos;
+    EXPECT_EQ(is_there, one == axis) << verdict.improvement.fragment;
   }
 }
 
@@ -100,12 +101,13 @@ TEST(TwoAxes, HaveTheSameLawOnBothIfTheGainIsTheSame) {
 TEST(TwoAxes, HaveAParameterEachIfTheCaseStatesTwoValues) {
   const Verdict verdict = verdict_on({.damping = 2000}, {.damping = 6000}, "[2_500, 5_000]");
 
-  EXPECT_EQ(verdict.outcome, Outcome::None) << verdict.sentence;
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::None) << verdict.sentence;
   for (const auto& [name, damping] : {std::pair{"viscous_friction.long.coefficient", 2000.0},
                                       {"viscous_friction.lat.coefficient", 6000.0}}) {
-    const auto found = std::find_if(verdict.refitted.begin(), verdict.refitted.end(),
-                                    [&](const auto& one) { return one.name == name; });
-    ASSERT_NE(found, verdict.refitted.end()) << name;
+    const auto found =
+        std::find_if(verdict.comparison.refitted.begin(), verdict.comparison.refitted.end(),
+                     [&](const auto& one) { return one.name == name; });
+    ASSERT_NE(found, verdict.comparison.refitted.end()) << name;
     EXPECT_NEAR(found->after, damping, 0.01 * damping) << name;
   }
 }

@@ -101,7 +101,7 @@ TEST(EndOfRun, IsInModelTimeAfterTheRest) {
                      "interrupted"}};
 
   EXPECT_EQ(run.broken("end").found, "1.00 s, ending: interrupted");
-  EXPECT_NEAR(analyse(run.folder()).duration, 1, 1e-9);
+  EXPECT_NEAR(analyse(run.folder()).timing.duration, 1, 1e-9);
 }
 
 TEST(Owner, IsBrokenByAForeignStore) {
@@ -264,13 +264,12 @@ TinyRecording result_at(double interval, const std::function<double(double)>& di
 double difference_between(const TinyRecording& recorded, const TinyRecording& computed,
                           double step) {
   const TinyRun test{recorded}, result{computed};
-  Analysis analysis;
-  analysis.integration_step = step;
-  analysis.axes.resize(1);
-  analysis.axes[0].name = "long";
+  std::vector<AxisAnalysis> axes(1);
+  axes[0].name = "long";
   const auto reader = test.reader(), numerical = result.reader();
-  add_companions(analysis, reader, recording::roles_of(reader), &numerical, nullptr);
-  return analysis.numerical.empty() ? std::nan("") : analysis.numerical[0].difference;
+  const auto found =
+      analyse_companions(reader, recording::roles_of(reader), step, axes, {&numerical, nullptr});
+  return found.numerical.empty() ? std::nan("") : found.numerical[0].difference;
 }
 
 TEST(Difference, IsTakenAtTheSameModelTime) {

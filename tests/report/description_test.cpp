@@ -93,43 +93,36 @@ class Recorded {
     writer.close();
   }
   [[nodiscard]] recording::Reader reader() const { return recording::Reader{file_}; }
-  [[nodiscard]] Analysis described() const {
-    const auto run = reader();
-    Analysis analysis;
-    analysis.meta = run.meta();
-    analysis.clock = analysis.meta["clock"];
-    describe(analysis, run);
-    return analysis;
-  }
+  [[nodiscard]] RunDescription described() const { return describe(reader()); }
 
  private:
   test::TemporaryFolder folder_;
   std::filesystem::path file_ = folder_.path() / "run.h5";
 };
 
-bool says(const Analysis& analysis, const std::string& part) {
-  return std::any_of(analysis.scope.begin(), analysis.scope.end(), [&](const auto& sentence) {
+bool says(const RunDescription& test, const std::string& part) {
+  return std::any_of(test.scope.begin(), test.scope.end(), [&](const auto& sentence) {
     return sentence.find(part) != std::string::npos;
   });
 }
 
 TEST(Description, QuotesTheExperimentOfTheRecording) {
-  const Analysis analysis = Recorded{{{"clock", "wall"}, {"ending", "completed"}}}.described();
+  const RunDescription test = Recorded{{{"clock", "wall"}, {"ending", "completed"}}}.described();
 
-  EXPECT_EQ(analysis.name, "shake");
-  EXPECT_EQ(analysis.planned_duration, 20);
-  EXPECT_EQ(analysis.spectrum_elevation, 33);
-  EXPECT_TRUE(analysis.synthetic);
-  EXPECT_TRUE(says(analysis, "Specimen (tpfb)"));
-  EXPECT_TRUE(says(analysis, "terms of specimen and machine: machine.load_dependent_friction."));
-  EXPECT_TRUE(says(analysis, "differs in: specimen.lead_heating (off)."));
-  EXPECT_TRUE(says(analysis, "Tested axis: long."));
-  EXPECT_TRUE(says(analysis, "assumptions of this project"));
-  EXPECT_TRUE(says(analysis, "load of the bearing varies by vertical motion of the ground."));
+  EXPECT_EQ(test.name, "shake");
+  EXPECT_EQ(test.planned_duration, 20);
+  EXPECT_EQ(test.spectrum_elevation, 33);
+  EXPECT_TRUE(test.synthetic);
+  EXPECT_TRUE(says(test, "Specimen (tpfb)"));
+  EXPECT_TRUE(says(test, "terms of specimen and machine: machine.load_dependent_friction."));
+  EXPECT_TRUE(says(test, "differs in: specimen.lead_heating (off)."));
+  EXPECT_TRUE(says(test, "Tested axis: long."));
+  EXPECT_TRUE(says(test, "assumptions of this project"));
+  EXPECT_TRUE(says(test, "load of the bearing varies by vertical motion of the ground."));
 }
 
 // An experiment with only these nodes, by their adapters.
-Analysis described_with(const std::string& nodes, const std::string& more = "[motion]\n") {
+RunDescription described_with(const std::string& nodes, const std::string& more = "[motion]\n") {
   return Recorded{{}, "", "name = \"shake\"\n" + more + nodes}.described();
 }
 
@@ -151,10 +144,10 @@ TEST(Description, SaysWhatVariesTheVerticalLoad) {
 
 TEST(Description, IsOfModelsWhereAModelPlaysTheMachine) {
   for (const std::string machine : {"srmd", "ideal_machine", "echo", "opensees_specimen"}) {
-    const Analysis analysis = described_with(
+    const RunDescription test = described_with(
         "[node.opf]\nadapter = \"external\"\n[node.xpc]\nadapter = \"" + machine + "\"\n");
-    EXPECT_TRUE(analysis.synthetic) << machine;
-    EXPECT_TRUE(says(analysis, "No value was measured in a laboratory.")) << machine;
+    EXPECT_TRUE(test.synthetic) << machine;
+    EXPECT_TRUE(says(test, "No value was measured in a laboratory.")) << machine;
   }
 }
 
@@ -168,29 +161,28 @@ TEST(Description, IsOfModelsWhereOnlyTheSolverIsTheUsersOwn) {
 TEST(Description, SaysThatAMachineOfTheUsersOwnMayBeReal) {
   for (const std::string adapter : {"external", "plugin", "fmu"})
     for (const std::string node : {"srmd", "xpc"}) {
-      const Analysis analysis = described_with("[node.opf]\nadapter = \"numerical\"\n[node." +
-                                               node + "]\nadapter = \"" + adapter + "\"\n");
-      EXPECT_FALSE(analysis.synthetic) << adapter << node;
-      EXPECT_TRUE(says(analysis, "Node " + node + " with adapter " + adapter +
-                                     " represents specimen and machine. It is the user's own and "
-                                     "may drive a real machine."))
+      const RunDescription test = described_with("[node.opf]\nadapter = \"numerical\"\n[node." +
+                                                 node + "]\nadapter = \"" + adapter + "\"\n");
+      EXPECT_FALSE(test.synthetic) << adapter << node;
+      EXPECT_TRUE(says(test, "Node " + node + " with adapter " + adapter +
+                                 " represents specimen and machine. It is the user's own and "
+                                 "may drive a real machine."))
           << adapter << node;
     }
 }
 
 TEST(Description, SaysThatAnIdealMachineHasNoVerticalAxis) {
-  const Analysis analysis =
+  const RunDescription test =
       described_with("[node.xpc]\nadapter = \"ideal_machine\"\n", "[motion]\ncolumn_vert = 3\n");
 
-  EXPECT_TRUE(
-      says(analysis, "has no vertical axis, so the vertical load of the bearing is constant."));
+  EXPECT_TRUE(says(test, "has no vertical axis, so the vertical load of the bearing is constant."));
 }
 
 TEST(Description, NamesCommandedDisplacementsWhereThereIsNoEarthquake) {
-  const Analysis analysis =
+  const RunDescription test =
       described_with("[node.srmd]\nadapter = \"srmd\"\n", "[targets]\nkind = \"sine\"\n");
 
-  EXPECT_EQ(analysis.motion, "commanded displacements");
+  EXPECT_EQ(test.motion, "commanded displacements");
 }
 
 TEST(Description, HasTheCommandThatRepeatsTheRun) {
@@ -214,11 +206,11 @@ TEST(Ending, IsEmptyOnlyForACompletedRun) {
 
 TEST(Ending, MakesARunInconclusive) {
   Analysis analysis;
-  analysis.planned_duration = 12;
-  analysis.duration = 7.26;
+  analysis.test.planned_duration = 12;
+  analysis.timing.duration = 7.26;
   EXPECT_TRUE(is_conclusive(analysis));
 
-  analysis.ending = "interrupted";
+  analysis.test.ending = "interrupted";
 
   EXPECT_FALSE(is_conclusive(analysis));
   EXPECT_NE(summary_of(analysis).find("ended at 7.260 of 12 s: interrupted"), std::string::npos);

@@ -14,7 +14,7 @@ namespace {
 /// A run of a thousand steps, some of them excused.
 Analysis run_with(int excused) {
   Analysis analysis;
-  analysis.name = "x";
+  analysis.test.name = "x";
   AxisAnalysis axis;
   axis.name = "long";
   axis.raw_delay = 0.06;
@@ -27,7 +27,7 @@ Analysis run_with(int excused) {
   analysis.steps.predict.assign(1000, 0.003);
   analysis.steps.correct.assign(1000, 0.007);
   analysis.steps.excused_count = excused;
-  analysis.host_late = {0, 0.01, {0.0002, 0.0043}};
+  analysis.hosts.late = {0, 0.01, {0.0002, 0.0043}};
   return analysis;
 }
 
@@ -94,7 +94,7 @@ TEST(Summary, ShowsResponseAndBandsBesideTheDelay) {
   NumericalAxis numerical;
   numerical.name = "long";
   numerical.difference = 0.367;
-  analysis.numerical = {numerical};
+  analysis.companions.numerical = {numerical};
 
   const std::string summary = summary_of(analysis);
   const Json axis = numbers_of(analysis)["axes"]["long"];

@@ -33,11 +33,11 @@ TEST(VerdictPage, NeedsNothingFromTheNetwork) {
 
 TEST(VerdictPage, StaysSmallWithManyLongRecords) {
   diagnosis::Verdict verdict = missing_verdict();
-  for (auto* values :
-       {&verdict.traces[0].time, &verdict.traces[0].abscissa, &verdict.traces[0].measured,
-        &verdict.traces[0].before, &verdict.traces[0].after, &verdict.traces[0].excess})
+  for (auto* values : {&verdict.comparison.traces[0].time, &verdict.comparison.traces[0].abscissa,
+                       &verdict.comparison.traces[0].measured, &verdict.comparison.traces[0].before,
+                       &verdict.comparison.traces[0].after, &verdict.comparison.traces[0].excess})
     values->resize(100'000);
-  verdict.traces.resize(30, verdict.traces[0]);
+  verdict.comparison.traces.resize(30, verdict.comparison.traces[0]);
 
   EXPECT_LT(verdict_page(verdict).size(), 3'000'000U);
 }
@@ -93,16 +93,16 @@ TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfTheCause) {
 // Causes of two relations have shares of different energies.
 TEST_F(RenderedVerdict, ShowsTheShareOfTheProofOnce) {
   diagnosis::Verdict verdict = missing_verdict();
-  verdict.proof.explained = 0.91;
-  verdict.causes.push_back(verdict.causes[0]);
-  verdict.causes[1].explained = std::nan("");
+  verdict.comparison.proof.explained = 0.91;
+  verdict.conclusion.causes.push_back(verdict.conclusion.causes[0]);
+  verdict.conclusion.causes[1].explained = std::nan("");
 
   const std::string page = rendered(verdict);
 
   EXPECT_TRUE(holds(page, ">explained</div><div class=\"value\">91\u2009%<"));
   EXPECT_TRUE(holds(page, "confidence 0.98 · explains 97\u2009%"));
   EXPECT_TRUE(holds(page, "confidence 0.98</p>"));
-  verdict.causes.erase(verdict.causes.begin());
+  verdict.conclusion.causes.erase(verdict.conclusion.causes.begin());
   EXPECT_FALSE(holds(rendered(verdict), ">explained</div>"));
 }
 
@@ -139,7 +139,7 @@ TEST_F(RenderedVerdict, ShowsTheFormOfTheRemainderBesideACause) {
 TEST_F(RenderedVerdict, OffersThePredictionWithoutEachCause) {
   diagnosis::Verdict verdict = missing_verdict();
   EXPECT_FALSE(holds(rendered(verdict), "Left out before"));
-  for (auto& trace : verdict.traces)
+  for (auto& trace : verdict.comparison.traces)
     trace.without = {{"coulomb_friction", trace.before}, {"lead_heating", trace.stated}};
 
   const std::string page = rendered(verdict);
@@ -162,7 +162,7 @@ TEST_F(RenderedVerdict, SaysWhoseEnergyThePlaceHolds) {
   diagnosis::Verdict verdict = missing_verdict();
   EXPECT_TRUE(holds(rendered(verdict), "Energy of the residual beyond the noise"));
 
-  verdict.where.is_of_named = true;
+  verdict.conclusion.where.is_of_named = true;
 
   const std::string page = rendered(verdict);
   EXPECT_TRUE(holds(page, "Energy of the contribution of the named terms to the prediction"));
@@ -171,14 +171,14 @@ TEST_F(RenderedVerdict, SaysWhoseEnergyThePlaceHolds) {
 
 TEST_F(RenderedVerdict, DrawsWithOptionalDataMissing) {
   diagnosis::Verdict verdict = missing_verdict();
-  verdict.proof_record = "";
-  verdict.traces.resize(1);
-  verdict.traces[0].abscissa.clear();
-  verdict.traces[0].excess.clear();
-  verdict.where.profiles.clear();
-  verdict.where.state_map.clear();
-  verdict.correlation_bound = 0;
-  verdict.fragment.clear();
+  verdict.comparison.proof_record = "";
+  verdict.comparison.traces.resize(1);
+  verdict.comparison.traces[0].abscissa.clear();
+  verdict.comparison.traces[0].excess.clear();
+  verdict.conclusion.where.profiles.clear();
+  verdict.conclusion.where.state_map.clear();
+  verdict.comparison.residual.bound = 0;
+  verdict.improvement.fragment.clear();
 
   const std::string page = rendered(verdict);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -91,8 +92,8 @@ std::string transfer_text(const budget::MismatchBudget& found) {
 
 // Errors of the actuator's relation with the transfer system in place of its terms, all of them of
 // unfiltered signals.
-void score(const budget::MismatchBudget& found, Verdict& verdict) {
-  for (auto& one : verdict.fit) {
+void score(const budget::MismatchBudget& found, Comparison& comparison) {
+  for (auto& one : comparison.fit) {
     const AxisErrors errors = worst(found, one.use == "held_out" ? unseen_errors : fitted_errors);
     one.nrmse_stated = std::nan("");
     one.nrmse_before = errors.before;
@@ -101,16 +102,15 @@ void score(const budget::MismatchBudget& found, Verdict& verdict) {
     one.variance_before = one.variance_after = std::nan("");
   }
   const AxisErrors unseen = worst(found, unseen_errors);
-  auto& proof = verdict.proof;
+  auto& proof = comparison.proof;
   proof.before = unseen.before;
   proof.after = unseen.after;
   proof.floor = unseen.noise;
   proof.explained = unseen.explained();
-  std::erase_if(verdict.traces,
+  std::erase_if(comparison.traces,
                 [](const Trace& trace) { return trace.channel.starts_with(kDisplacement); });
-  verdict.residual_correlation.clear();
-  verdict.refitted.clear();
-  verdict.ablation.clear();
+  comparison.residual.correlation.clear();
+  comparison.refitted.clear();
 }
 
 // Removes a term from the model of an improved case, and its parameters from the fitted ones.
@@ -136,22 +136,22 @@ std::string added_actuator_term(const std::string& table) {
   return "";
 }
 
-// Withdraws the terms of the actuator: causes, and their tables in the improved models.
-void withdraw_actuator_terms(Verdict& verdict) {
-  std::erase_if(verdict.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
-  Config& file = verdict.improved.file;
-  if (verdict.causes.empty()) {
-    verdict.fragment.clear();
+// Withdraws the terms of the actuator from the improved models.
+// @param has_causes  others are named
+void withdraw_actuator_terms(Improvement& improvement, bool has_causes) {
+  Config& file = improvement.source.file;
+  if (!has_causes) {
+    improvement.fragment.clear();
     file = {};
     return;
   }
-  std::string kept;
-  for (std::size_t begin = 0; begin < verdict.fragment.size();) {
-    const auto next = verdict.fragment.find("\n[", begin);
-    const auto end = next == std::string::npos ? verdict.fragment.size() : next + 1;
-    const std::string table = verdict.fragment.substr(begin, end - begin);
+  const std::string fragment = std::exchange(improvement.fragment, {});
+  for (std::size_t begin = 0; begin < fragment.size();) {
+    const auto next = fragment.find("\n[", begin);
+    const auto end = next == std::string::npos ? fragment.size() : next + 1;
+    const std::string table = fragment.substr(begin, end - begin);
     const std::string term = added_actuator_term(table);
-    if (term.empty()) kept += table;
+    if (term.empty()) improvement.fragment += table;
     if (!term.empty() && file.has("model")) {
       Config model = file.table("model");
       remove_term(term, model);
@@ -159,23 +159,23 @@ void withdraw_actuator_terms(Verdict& verdict) {
     }
     begin = end;
   }
-  verdict.fragment = kept;
 }
 
 // The residual of the actuator has a cause now.
 void name_transfer_system(Verdict& verdict) {
-  withdraw_actuator_terms(verdict);
-  score(verdict.budget, verdict);
-  verdict.causes.insert(verdict.causes.begin(), transfer_cause(verdict.budget));
-  verdict.outcome = Outcome::Missing;
+  Conclusion& conclusion = verdict.conclusion;
+  std::erase_if(conclusion.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
+  withdraw_actuator_terms(verdict.improvement, !conclusion.causes.empty());
+  score(verdict.budget, verdict.comparison);
+  verdict.ablation.clear();
   std::erase_if(verdict.descriptions, [](const Description& one) {
     return one.channel.empty() || one.channel == kDisplacement;
   });
-  std::erase(verdict.unexplained, kDisplacement);
-  verdict.has_remainder = !verdict.unexplained.empty();
-  verdict.confidence = 1;
-  for (const auto& cause : verdict.causes)
-    verdict.confidence = std::min(verdict.confidence, cause.confidence);
+  conclusion.causes.insert(conclusion.causes.begin(), transfer_cause(verdict.budget));
+  conclusion.outcome = Outcome::Missing;
+  std::erase(conclusion.unexplained, kDisplacement);
+  conclusion.has_remainder = !conclusion.unexplained.empty();
+  conclusion.confidence = confidence_in(conclusion.causes);
   verdict.sentence = transfer_sentence(verdict, transfer_text(verdict.budget));
 }
 
@@ -184,7 +184,8 @@ void name_transfer_system(Verdict& verdict) {
 void add_budget(budget::MismatchBudget found, Verdict& verdict) {
   verdict.budget = std::move(found);
   if (verdict.budget.is_empty()) return;
-  if (verdict.outcome == Outcome::Unknown && verdict.where.part == Part::Actuator &&
+  if (verdict.conclusion.outcome == Outcome::Unknown &&
+      verdict.conclusion.where.part == Part::Actuator &&
       budget::is_tracking_identified(verdict.budget))
     name_transfer_system(verdict);
   verdict.sentence += " " + budget::sentence_of(verdict.budget);

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
@@ -29,22 +30,20 @@
 namespace rths::diagnosis {
 namespace {
 
-using Investigations = std::vector<std::unique_ptr<Investigation>>;
-
 std::string quantisation_of(const Lattice& lattice) {
   return family_of(lattice.role) + "_quantisation";
 }
 
-void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
+void add_lattices(const std::vector<Lattice>& lattices, std::vector<Cause>& causes) {
   for (const auto& lattice : lattices) {
     const std::string family = family_of(lattice.role);
     const std::string name = quantisation_of(lattice);
-    const auto known = std::find_if(verdict.causes.begin(), verdict.causes.end(),
+    const auto known = std::find_if(causes.begin(), causes.end(),
                                     [&](const Cause& cause) { return cause.name == name; });
     const double half = kNormal95 * lattice.deviation;
     const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step - half,
                         lattice.step + half};
-    if (known != verdict.causes.end()) {
+    if (known != causes.end()) {
       known->parameters.push_back(step);
       continue;
     }
@@ -57,7 +56,7 @@ void add_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
     cause.confidence = lattice.on_steps;
     cause.explained = std::nan("");
     cause.parameters = {step};
-    verdict.causes.push_back(std::move(cause));
+    causes.push_back(std::move(cause));
   }
 }
 
@@ -78,96 +77,101 @@ const Investigation* first_where(const Investigations& all, const Condition& hol
   return first == all.end() ? nullptr : first->get();
 }
 
+template <class Value>
+void append(std::vector<Value> more, std::vector<Value>& all) {
+  std::move(more.begin(), more.end(), std::back_inserter(all));
+}
+
 void add_once(const std::string& name, std::vector<std::string>& names) {
   if (!contains(names, name)) names.push_back(name);
 }
 
 // The terms that the simulation has, and the effects that were searched for.
-void list_terms(const Relation& relation, Verdict& verdict) {
-  for (const auto& term : relation.base().terms) add_once(term.settings.name, verdict.assumed);
-  for (const auto& candidate : relation.candidates(relation.base()))
-    add_once(candidate.name, verdict.searched);
+ConsideredTerms terms_of(const Investigations& all) {
+  ConsideredTerms terms;
+  for (const auto& found : all) {
+    const Relation& relation = *found->relation;
+    for (const auto& term : relation.base().terms) add_once(term.settings.name, terms.assumed);
+    for (const auto& candidate : relation.candidates(relation.base()))
+      add_once(candidate.name, terms.searched);
+  }
+  return terms;
 }
 
-// Moves the causes of an investigation to the front.
-void put_first(const Investigation& shown, std::vector<Cause>& causes) {
+bool names(const SelectionRound& round, const Cause& cause) {
+  const Candidate& candidate = round.chosen.candidate;
+  return candidate.name == cause.name && candidate.channel == cause.channel;
+}
+
+/// Investigations by what they show. Missing takes precedence over unknown, unknown over none; a
+/// relation further up the chain is reported first.
+struct Ranking {
+  explicit Ranking(const Investigations& all)
+      : explained{first_where(all, is_explained)},
+        unknown{first_where(all, [](const Investigation& one) { return one.is_unknown(); })},
+        shown{explained != nullptr ? explained
+              : unknown != nullptr ? unknown
+                                   : all.back().get()} {}
+
+  const Investigation *explained, *unknown;  ///< the first ones; null if there is none
+  const Investigation* shown;
+
+  [[nodiscard]] Outcome outcome() const {
+    return explained != nullptr ? Outcome::Missing
+           : unknown != nullptr ? Outcome::Unknown
+                                : Outcome::None;
+  }
+};
+
+// Investigations in the order in which a verdict reports them, the shown one last.
+std::vector<const Investigation*> in_order(const Investigations& all, const Investigation& shown) {
+  std::vector<const Investigation*> order;
+  for (const auto& found : all)
+    if (found.get() != &shown && (found->is_named() || found->is_unknown()))
+      order.push_back(found.get());
+  order.push_back(&shown);
+  return order;
+}
+
+// The cause that a selection round names; null if none does.
+Cause* cause_of(const SelectionRound& round, std::vector<Cause>& causes) {
+  const auto named = std::find_if(causes.begin(), causes.end(),
+                                  [&](const Cause& cause) { return names(round, cause); });
+  return named == causes.end() ? nullptr : &*named;
+}
+
+// Causes of all investigations, those of the shown one first, with what separates each from its
+// alternatives.
+std::vector<Cause> causes_of(const Investigations& all, const Investigation& shown,
+                             const NextTest& next) {
+  std::vector<Cause> causes;
+  for (const Investigation* found : in_order(all, shown)) append(causes_of(*found), causes);
   const auto& rounds = shown.selection.rounds;
   std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
-    return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& round) {
-      return round.chosen.candidate.name == cause.name &&
-             round.chosen.candidate.channel == cause.channel;
-    });
+    return std::any_of(rounds.begin(), rounds.end(),
+                       [&](const SelectionRound& round) { return names(round, cause); });
   });
-}
-
-// The relation that is shown comes last, since what there is once is its own. Its evidence and its
-// forms come first.
-void report_all(const Investigations& all, const Investigation& shown, Verdict& verdict) {
-  add_evidence(shown, verdict);
-  add_descriptions(shown, verdict);
-  // The first form of an unknown residual is taken for the best of it.
-  const bool has_no_form = shown.is_unknown() && verdict.descriptions.empty();
-  for (const auto& found : all) {
-    if (found.get() == &shown || (!found->is_named() && !found->is_unknown())) continue;
-    add_evidence(*found, verdict);
-    if (!has_no_form) add_descriptions(*found, verdict);
-    report(*found, verdict);
-  }
-  report(shown, verdict);
-}
-
-// Missing takes precedence over unknown, unknown over none; a relation further up the chain is
-// reported first.
-void conclude(const Investigations& all, const Case& c, Verdict& verdict) {
-  const Investigation* explained = first_where(all, is_explained);
-  const Investigation* unknown =
-      first_where(all, [](const Investigation& found) { return found.is_unknown(); });
-  const Investigation* shown = explained != nullptr ? explained
-                               : unknown != nullptr ? unknown
-                                                    : all.back().get();
-  report_all(all, *shown, verdict);
-  verdict.where = where_of(*shown, c.map);
-  if (shown->is_named()) verdict.where.part = shown->selection.rounds[0].chosen.candidate.part;
-  put_first(*shown, verdict.causes);
-  for (const auto& found : all) {
-    if (is_composition(c.model.kind)) verdict.fragment += fragment_of(*found);
-    list_terms(*found->relation, verdict);
-    if (found->is_unknown()) verdict.unexplained.push_back(output_of(*found));
-  }
-  verdict.outcome = explained != nullptr ? Outcome::Missing
-                    : unknown != nullptr ? Outcome::Unknown
-                                         : Outcome::None;
-  verdict.has_remainder =
-      verdict.outcome == Outcome::Missing && (unknown != nullptr || shown->has_remainder());
-}
-
-// The cause of a verdict that a selection round names; null if it names none.
-Cause* cause_of(const SelectionRound& round, Verdict& verdict) {
-  for (auto& cause : verdict.causes)
-    if (cause.name == round.chosen.candidate.name &&
-        cause.channel == round.chosen.candidate.channel)
-      return &cause;
-  return nullptr;
-}
-
-// Adds the proposed test, and what separates each cause from its alternatives.
-void propose(const NextTest& next, Verdict& verdict) {
-  verdict.next_test = next.text;
-  verdict.next_motion = next.motion;
   for (const auto& one : next.separating)
-    if (Cause* cause = cause_of(*one.round, verdict)) {
+    if (Cause* cause = cause_of(*one.round, causes)) {
       cause->alternatives[one.tied].test = one.text;
       cause->alternatives[one.tied].sigma = one.sigma;
     }
+  return causes;
+}
+
+// Causes that no known test separates from their alternatives.
+std::vector<std::string> inseparable_of(const NextTest& next, std::vector<Cause> causes) {
+  std::vector<std::string> limits;
   for (const auto* round : next.inseparable)
-    if (const Cause* cause = cause_of(*round, verdict))
-      verdict.limits.push_back(fmt::format(
+    if (const Cause* cause = cause_of(*round, causes))
+      limits.push_back(fmt::format(
           "No known test within {} times the recorded amplitude, rate and acceleration "
           "separates {} from its alternatives{}.",
           kReach, cause->name,
           cause->alternatives.size() > kMostRivals
               ? fmt::format("; {} of {} were examined", kMostRivals, cause->alternatives.size())
               : ""));
+  return limits;
 }
 
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the
@@ -188,23 +192,47 @@ Investigations investigations_of(Case& c, const SensorNoise& noise, const Diagno
 }
 
 // Coarse quantisation is the verdict where nothing else is named.
-void name_lattices(const std::vector<Lattice>& lattices, Verdict& verdict) {
-  add_lattices(lattices, verdict);
+void name_lattices(const std::vector<Lattice>& lattices, Conclusion& conclusion) {
+  auto& causes = conclusion.causes;
+  add_lattices(lattices, causes);
   const auto is_rule = [](const Cause& cause) { return cause.is_rule; };
-  const auto first_rule =
-      std::stable_partition(verdict.causes.begin(), verdict.causes.end(), std::not_fn(is_rule));
-  const auto named = static_cast<std::size_t>(first_rule - verdict.causes.begin());
-  if (verdict.outcome != Outcome::None && named != lattices_named(lattices)) return;
-  verdict.has_remainder = verdict.has_remainder || verdict.outcome == Outcome::Unknown;
-  verdict.outcome = Outcome::Missing;
-  verdict.where.part = Part::Sensor;
-  verdict.where.channel = family_of(lattices[0].role);
+  const auto first_rule = std::stable_partition(causes.begin(), causes.end(), std::not_fn(is_rule));
+  const auto named = static_cast<std::size_t>(first_rule - causes.begin());
+  if (conclusion.outcome != Outcome::None && named != lattices_named(lattices)) return;
+  conclusion.has_remainder = conclusion.has_remainder || conclusion.outcome == Outcome::Unknown;
+  conclusion.outcome = Outcome::Missing;
+  conclusion.where.part = Part::Sensor;
+  conclusion.where.channel = family_of(lattices[0].role);
 }
 
-}  // namespace
+Conclusion conclude(const Investigations& all, const Ranking& ranking, std::vector<Cause> causes,
+                    Where where, const std::vector<Lattice>& lattices) {
+  const Investigation& shown = *ranking.shown;
+  Conclusion conclusion;
+  conclusion.outcome = ranking.outcome();
+  conclusion.causes = std::move(causes);
+  conclusion.has_remainder = conclusion.outcome == Outcome::Missing &&
+                             (ranking.unknown != nullptr || shown.has_remainder());
+  for (const auto& found : all)
+    if (found->is_unknown()) conclusion.unexplained.push_back(output_of(*found));
+  conclusion.where = std::move(where);
+  if (shown.is_named()) conclusion.where.part = shown.selection.rounds[0].chosen.candidate.part;
+  if (!lattices.empty()) name_lattices(lattices, conclusion);
+  conclusion.confidence = confidence_in(conclusion.causes);
+  return conclusion;
+}
 
-Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
-  const auto begin = std::chrono::steady_clock::now();
+Improvement improvement_of(const Case& given, const Case& c, const Investigations& all,
+                           const std::vector<Lattice>& lattices, bool has_causes) {
+  Improvement improvement;
+  if (is_composition(c.model.kind))
+    for (const auto& found : all) improvement.fragment += fragment_of(*found);
+  if (has_causes) improvement.source = improved_case(given, improved_model(c, all, lattices));
+  return improvement;
+}
+
+// Everything that a case shows, but its name and the time taken.
+Verdict verdict_on(const Case& given, const DiagnosisOptions& options, Progress& progress) {
   Case c = given;
   check_case(c, options.without);
   std::vector<const Record*> noisy;
@@ -215,22 +243,41 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
     return has_rounding(c, lattice.role) ||
            is_barred(options.without, quantisation_of(lattice), "quantisation");
   });
-  Verdict verdict;
-  verdict.case_name = c.name;
-  Progress progress{options.progress};
   const Investigations all = investigations_of(c, noise, options, progress);
+  const Ranking ranking{all};
+  const Investigation& shown = *ranking.shown;
   progress.enter("");
   progress.begin_stage("place, intervals");
-  conclude(all, c, verdict);
+  Verdict verdict;
+  for (const Investigation* found : in_order(all, shown)) {
+    append(withdrawn_of(*found), verdict.limits);
+    const Reduced reduced = reduced_models(*found);
+    append(ablation_of(*found, reduced), verdict.ablation);
+    if (found == &shown) verdict.comparison = comparison_of(shown, reduced);
+  }
+  Where where = where_of(shown, c.map);
+  verdict.evidence = evidence_of(all, shown);
+  verdict.descriptions = descriptions_of(all, shown);
+  verdict.terms = terms_of(all);
   progress.begin_stage("next test");
-  propose(next_test(all, c.model.kind == "bearing", verdict.outcome == Outcome::Unknown), verdict);
-  if (!lattices.empty()) name_lattices(lattices, verdict);
-  if (!verdict.causes.empty())
-    verdict.improved = improved_case(given, improved_model(c, all, lattices));
-  double confidence = 1;
-  for (const auto& cause : verdict.causes) confidence = std::min(confidence, cause.confidence);
-  verdict.confidence = confidence;
-  add_limits(c, noise, all, verdict);
+  NextTest next = next_test(all, c.model.kind == "bearing", ranking.outcome() == Outcome::Unknown);
+  auto causes = causes_of(all, shown, next);
+  append(inseparable_of(next, causes), verdict.limits);
+  verdict.next = {std::move(next.text), std::move(next.motion)};
+  verdict.conclusion = conclude(all, ranking, std::move(causes), std::move(where), lattices);
+  verdict.improvement = improvement_of(given, c, all, lattices, !verdict.conclusion.causes.empty());
+  verdict.noise = noise_basis(c, noise);
+  append(limits_of(c, noise, all), verdict.limits);
+  return verdict;
+}
+
+}  // namespace
+
+Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Progress progress{options.progress};
+  Verdict verdict = verdict_on(given, options, progress);
+  verdict.case_name = given.name;
   verdict.sentence = sentence_of(verdict);
   verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return verdict;

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -163,15 +165,17 @@ void add_largest(const Drive& drive, Largest& largest) {
 }
 
 // The largest states of all records, once for each name.
-void add_visited(const Investigation& found, Verdict& verdict) {
+std::vector<std::string> visited_in(const Investigation& found) {
   Largest largest;
   for (const Problem* problem : {found.problem.get(), found.held_out.get()})
     for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
       add_largest(problem->drive(i), largest);
+  std::vector<std::string> limits;
   for (const auto& [state, most] : largest)
-    verdict.limits.push_back(fmt::format(
+    limits.push_back(fmt::format(
         "{}: states beyond {:.3g} {} and {:.3g} {}/s of {} were never visited.",
         found.relation->name(), most.first, state.unit, most.second, state.unit, state.name));
+  return limits;
 }
 
 // The first section of a record, from its start or to its end, in which nothing that drives the
@@ -210,6 +214,23 @@ std::optional<std::pair<double, double>> apparent_rest(const Record& record) {
   if (is_enough(head)) return std::pair{at(0), at(head - 1)};
   if (is_enough(tail)) return std::pair{at(n - tail), at(n - 1)};
   return std::nullopt;
+}
+
+// How to measure the noise, if no section at rest is known: with the first section of a record that
+// seems to be at rest.
+std::string remedy_for_noise(const Case& c) {
+  constexpr double kPerSecond = 100;  // resolution of the proposal
+  for (const Record* record : moving_records(c))
+    if (const auto rest = apparent_rest(*record))
+      return fmt::format(
+          "{0} seems to be at rest from {1:.13g} to {2:.13g} s: if it is, quiet_s = [{1:.13g}, "
+          "{2:.13g}] in "
+          "its "
+          "[[record]] measures the noise",
+          record->name, std::ceil(kPerSecond * rest->first) / kPerSecond,
+          std::floor(kPerSecond * rest->second) / kPerSecond);
+  return "a section without motion (quiet_s) or a record without motion (use = \"reference\") "
+         "would measure the noise";
 }
 
 }  // namespace
@@ -264,47 +285,36 @@ std::vector<std::string> opposed_outputs(const Relation& relation,
   return opposed;
 }
 
-std::string remedy_for_noise(const Case& c) {
-  constexpr double kPerSecond = 100;  // resolution of the proposal
-  for (const Record* record : moving_records(c))
-    if (const auto rest = apparent_rest(*record))
-      return fmt::format(
-          "{0} seems to be at rest from {1:.13g} to {2:.13g} s: if it is, quiet_s = [{1:.13g}, "
-          "{2:.13g}] in "
-          "its "
-          "[[record]] measures the noise",
-          record->name, std::ceil(kPerSecond * rest->first) / kPerSecond,
-          std::floor(kPerSecond * rest->second) / kPerSecond);
-  return "a section without motion (quiet_s) or a record without motion (use = \"reference\") "
-         "would measure the noise";
+NoiseBasis noise_basis(const Case& c, const SensorNoise& noise) {
+  return {noise.source(), noise.was_seen_at_rest() ? "" : remedy_for_noise(c)};
 }
 
-void add_limits(const Case& c, const SensorNoise& noise,
-                const std::vector<std::unique_ptr<Investigation>>& all, Verdict& verdict) {
-  verdict.noise_model = noise.source();
-  verdict.limits.push_back("Source of the noise: " + noise.source() + ".");
+std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
+                                   const Investigations& all) {
+  const NoiseBasis basis = noise_basis(c, noise);
+  std::vector<std::string> limits{"Source of the noise: " + basis.source + "."};
+  const auto add = [&](std::vector<std::string> more) {
+    std::move(more.begin(), more.end(), std::back_inserter(limits));
+  };
   for (const auto& line : noise.lines())
-    verdict.limits.push_back(line + ": it counts as an effect, not as noise.");
+    limits.push_back(line + ": it counts as an effect, not as noise.");
   if (const std::string faster = faster_at_rest(c); noise.was_seen_at_rest() && !faster.empty())
-    verdict.limits.push_back(faster);
-  if (!noise.was_seen_at_rest()) {
-    verdict.noise_remedy = remedy_for_noise(c);
-    verdict.limits.push_back(
+    limits.push_back(faster);
+  if (!basis.remedy.empty())
+    limits.push_back(
         "The noise was not measured at rest, so a small missing effect cannot "
         "be told from noise: " +
-        verdict.noise_remedy + ".");
-  }
-  for (auto& limit : limits_of_channels(c)) verdict.limits.push_back(std::move(limit));
+        basis.remedy + ".");
+  add(limits_of_channels(c));
   for (const auto& one : c.records)
-    if (!one.gaps.empty()) verdict.limits.push_back(gaps_in(one));
-  if (verdict.proof_record.empty())
-    verdict.limits.emplace_back("No record was held out for a proof.");
+    if (!one.gaps.empty()) limits.push_back(gaps_in(one));
+  if (!all.back()->proof.is_held_out) limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {
-    verdict.limits.push_back(filter_of(*found));
-    add_visited(*found, verdict);
-    for (auto& opposed : opposed_outputs(*found->relation, moving_records(c)))
-      verdict.limits.push_back(std::move(opposed));
+    limits.push_back(filter_of(*found));
+    add(visited_in(*found));
+    add(opposed_outputs(*found->relation, moving_records(c)));
   }
+  return limits;
 }
 
 }  // namespace rths::diagnosis

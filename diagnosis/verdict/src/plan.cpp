@@ -294,8 +294,7 @@ Plan plan(const Case& c, const DiagnosisOptions& options) {
   plan.case_name = c.name;
   plan.kind = c.model.kind;
   plan.records = records_of(c, split);
-  plan.noise_model = noise.source();
-  if (!noise.was_seen_at_rest()) plan.noise_remedy = remedy_for_noise(c);
+  plan.noise = noise_basis(c, noise);
   plan.limits = limits_of_channels(c);
   if (split.held.empty()) plan.limits.emplace_back("No record is held out for a proof.");
   for (const auto& relation : relations) {

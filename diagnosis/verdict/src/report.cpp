@@ -66,28 +66,6 @@ std::vector<Refitted> refitted_of(const Investigation& found) {
   return refitted;
 }
 
-// The final model without one of its causes, fitted again; by the name of the cause.
-using Reduced = std::vector<std::pair<std::string, Hypothesis>>;
-Reduced reduced_models(const Investigation& found) {
-  constexpr int kIterations = 8;
-  const auto& rounds = found.selection.rounds;
-  Reduced reduced;
-  if (rounds.size() < 2) return reduced;  // "before" lacks the only cause
-  for (const auto& left_out : rounds) {
-    Hypothesis rest = found.selection.base;
-    for (const auto& round : rounds)
-      if (&round != &left_out)
-        rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
-    take_values(found.selection.named, rest);
-    const std::string& name = left_out.chosen.candidate.name;
-    if (const auto fit = fit_if_possible(*found.problem, rest, found.folds.both, kIterations)) {
-      rest.values = fit->parameters;
-      reduced.emplace_back(name, std::move(rest));
-    }
-  }
-  return reduced;
-}
-
 // Predictions of the models of an investigation for a record: as stated, before and after the named
 // terms, and without each of them.
 struct Predictions {
@@ -135,7 +113,7 @@ void add_curves(const Investigation& found, const Drive& drive, const Prediction
 
 // @param reduced  models whose predictions are added
 void add_traces(const Investigation& found, const Problem& problem, std::size_t record,
-                const Reduced& reduced, Verdict& verdict) {
+                const Reduced& reduced, std::vector<Trace>& traces) {
   const auto predicted = [&](const Hypothesis& hypothesis) {
     return Supposition{problem, hypothesis}.prediction(record);
   };
@@ -165,7 +143,7 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
     add_curves(found, drive, predictions, output, trace);
     trace.noise = compared_rows(drive, noise, output);
     trace.excess = compared_rows(drive, excess, output);
-    verdict.traces.push_back(std::move(trace));
+    traces.push_back(std::move(trace));
   }
 }
 
@@ -187,94 +165,149 @@ std::optional<double> error_of_rival(const Investigation& found, const Contender
   }
 }
 
-// Adds the errors on the record of the proof if the answer is changed and everything is refitted.
-void ablate(const Investigation& found, std::size_t record, Verdict& verdict) {
-  const SelectionRound& first = found.selection.rounds[0];
-  const Contender* rival = !first.tied.empty()     ? &first.tied[0]
-                           : !first.others.empty() ? &first.others[0]
-                                                   : nullptr;
-  const auto error = rival != nullptr ? error_of_rival(found, *rival, record) : std::nullopt;
-  if (error)
-    verdict.ablation.push_back(
-        {fmt::format("{} instead of {}", rival->candidate.name, first.chosen.candidate.name),
-         *error});
-  verdict.ablation.push_back(
-      {"without the named causes", held_out_error(found, found.selection.base, record)});
-}
-
-void add_proof(const Investigation& found, const Reduced& reduced, Verdict& verdict) {
-  const Proof& proof = found.proof;
-  verdict.proof = {proof.before,      proof.after,           proof.floor,
-                   proof.explained(), proof.is_systematic(), found.problem->has_colour()};
-  verdict.residual_correlation = proof.whiteness.correlation;
-  verdict.correlation_bound = proof.whiteness.bound;
-  verdict.residual_white = proof.is_white;
-  if (!proof.is_held_out) return;
-  verdict.proof_record = proof.records.back().record;
-  verdict.fit.insert(verdict.fit.end(), proof.records.begin(), proof.records.end());
-  const std::size_t last = found.held_out->records() - 1;
-  for (std::size_t i = 0; i <= last; ++i)
-    add_traces(found, *found.held_out, i, i == last ? reduced : Reduced{}, verdict);
-  if (found.is_named()) ablate(found, last, verdict);
-  for (const auto& [name, hypothesis] : reduced)
-    verdict.ablation.push_back(
-        {"without " + name + " alone", held_out_error(found, hypothesis, last)});
-}
-
 }  // namespace
 
-void add_evidence(const Investigation& found, Verdict& verdict) {
-  const double n = observations(*found.problem, found.folds.both);
-  const auto add = [&](const Contender& contender) {
-    if (verdict.evidence.size() >= kMostEvidence || contender.gain <= 0) return;
-    verdict.evidence.push_back({contender.candidate.name, contender.candidate.title,
-                                contender.gain / n, contender.low / n, contender.high / n});
-  };
-  const Selection& selection = found.selection;
-  std::vector<Contender> all = selection.rounds.empty() ? selection.last : selection.first;
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
-  for (const auto& contender : all) add(contender);
+std::vector<Ablation> ablation_of(const Investigation& found, const Reduced& reduced) {
+  std::vector<Ablation> ablation;
+  if (!found.proof.is_held_out) return ablation;
+  const std::size_t last = found.held_out->records() - 1;
+  if (found.is_named()) {
+    const SelectionRound& first = found.selection.rounds[0];
+    const Contender* rival = !first.tied.empty()     ? &first.tied[0]
+                             : !first.others.empty() ? &first.others[0]
+                                                     : nullptr;
+    const auto error = rival != nullptr ? error_of_rival(found, *rival, last) : std::nullopt;
+    if (error)
+      ablation.push_back(
+          {fmt::format("{} instead of {}", rival->candidate.name, first.chosen.candidate.name),
+           *error});
+    ablation.push_back(
+        {"without the named causes", held_out_error(found, found.selection.base, last)});
+  }
+  for (const auto& [name, hypothesis] : reduced)
+    ablation.push_back({"without " + name + " alone", held_out_error(found, hypothesis, last)});
+  return ablation;
+}
+
+Reduced reduced_models(const Investigation& found) {
+  constexpr int kIterations = 8;
+  const auto& rounds = found.selection.rounds;
+  Reduced reduced;
+  if (rounds.size() < 2) return reduced;  // "before" lacks the only cause
+  for (const auto& left_out : rounds) {
+    Hypothesis rest = found.selection.base;
+    for (const auto& round : rounds)
+      if (&round != &left_out)
+        rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
+    take_values(found.selection.named, rest);
+    const std::string& name = left_out.chosen.candidate.name;
+    if (const auto fit = fit_if_possible(*found.problem, rest, found.folds.both, kIterations)) {
+      rest.values = fit->parameters;
+      reduced.emplace_back(name, std::move(rest));
+    }
+  }
+  return reduced;
 }
 
 std::string output_of(const Investigation& found) {
   return family_of(found.relation->outputs()[0].first);
 }
 
-void add_descriptions(const Investigation& found, Verdict& verdict) {
+namespace {
+
+// Those of an investigation, or its last round, best first.
+std::vector<Contender> contenders_of(const Selection& selection) {
+  std::vector<Contender> all = selection.rounds.empty() ? selection.last : selection.first;
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
+  return all;
+}
+
+void add_evidence(const Investigation& found, std::vector<Evidence>& evidence) {
+  const double n = observations(*found.problem, found.folds.both);
+  for (const auto& one : contenders_of(found.selection))
+    if (evidence.size() < kMostEvidence && one.gain > 0)
+      evidence.push_back(
+          {one.candidate.name, one.candidate.title, one.gain / n, one.low / n, one.high / n});
+}
+
+void add_descriptions(const Investigation& found, std::vector<Description>& descriptions) {
   for (const auto& description : found.descriptions) {
     if (description.share <= kLeastShareOfForm) continue;
-    verdict.descriptions.push_back(description);
-    verdict.descriptions.back().channel = output_of(found);
+    descriptions.push_back(description);
+    descriptions.back().channel = output_of(found);
   }
 }
 
-void report(const Investigation& found, Verdict& verdict) {
+bool has_result(const Investigation& found) { return found.is_named() || found.is_unknown(); }
+
+}  // namespace
+
+std::vector<Evidence> evidence_of(const Investigations& all, const Investigation& shown) {
+  std::vector<Evidence> evidence;
+  add_evidence(shown, evidence);
+  for (const auto& found : all)
+    if (found.get() != &shown && has_result(*found)) add_evidence(*found, evidence);
+  return evidence;
+}
+
+std::vector<Description> descriptions_of(const Investigations& all, const Investigation& shown) {
+  std::vector<Description> descriptions;
+  add_descriptions(shown, descriptions);
+  if (shown.is_unknown() && descriptions.empty()) return descriptions;
+  for (const auto& found : all)
+    if (found.get() != &shown && has_result(*found)) add_descriptions(*found, descriptions);
+  return descriptions;
+}
+
+std::vector<Cause> causes_of(const Investigation& found) {
+  std::vector<Cause> causes;
+  if (!found.is_named()) return causes;
   const Selection& selection = found.selection;
   double total = 0;
   for (const auto& round : selection.rounds) total += std::max(0.0, round.chosen.gain);
   const auto estimates =
-      found.is_named()
-          ? estimates_of(
-                selection.named,
-                covariance_of(*found.problem, found.folds.both, selection.named,
-                              fold_disagreement(*found.problem, found.folds, selection.named)))
-          : std::vector<Estimate>{};
+      estimates_of(selection.named,
+                   covariance_of(*found.problem, found.folds.both, selection.named,
+                                 fold_disagreement(*found.problem, found.folds, selection.named)));
   for (const auto& round : selection.rounds)
-    verdict.causes.push_back(cause_of(
+    causes.push_back(cause_of(
         round, estimates,
         found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
+  return causes;
+}
+
+std::vector<std::string> withdrawn_of(const Investigation& found) {
+  std::vector<std::string> withdrawn;
   for (const auto& [candidate, reason] : found.withdrawn)
-    verdict.limits.push_back(
+    withdrawn.push_back(
         fmt::format("{} was selected and is not named: {}.", candidate.title, reason));
-  verdict.has_remainder = verdict.has_remainder || found.has_remainder();
-  verdict.refitted = refitted_of(found);
-  verdict.fit = scores_of(*found.problem, selection, false);
-  verdict.traces.clear();
-  const Reduced reduced = reduced_models(found);
+  return withdrawn;
+}
+
+Comparison comparison_of(const Investigation& found, const Reduced& reduced) {
+  const Proof& proof = found.proof;
+  Comparison comparison;
+  comparison.refitted = refitted_of(found);
+  comparison.fit = scores_of(*found.problem, found.selection, false);
+  comparison.proof = {proof.before,      proof.after,           proof.floor,
+                      proof.explained(), proof.is_systematic(), found.problem->has_colour()};
+  comparison.residual = {proof.whiteness.correlation, proof.whiteness.bound, proof.is_white};
   for (std::size_t i = 0; i < found.problem->records(); ++i)
-    add_traces(found, *found.problem, i, i == 0 ? reduced : Reduced{}, verdict);
-  add_proof(found, reduced, verdict);
+    add_traces(found, *found.problem, i, i == 0 ? reduced : Reduced{}, comparison.traces);
+  if (!proof.is_held_out) return comparison;
+  comparison.proof_record = proof.records.back().record;
+  comparison.fit.insert(comparison.fit.end(), proof.records.begin(), proof.records.end());
+  const std::size_t last = found.held_out->records() - 1;
+  for (std::size_t i = 0; i <= last; ++i)
+    add_traces(found, *found.held_out, i, i == last ? reduced : Reduced{}, comparison.traces);
+  return comparison;
+}
+
+double confidence_in(const std::vector<Cause>& causes) {
+  double confidence = 1;
+  for (const auto& cause : causes) confidence = std::min(confidence, cause.confidence);
+  return confidence;
 }
 
 }  // namespace rths::diagnosis

@@ -1,23 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include <rths/verdict/verdict.hpp>
 
 namespace rths::diagnosis {
 
-/// Adds the gains of an investigation's candidates to a verdict, behind those of others. There is
-/// room for ten.
-void add_evidence(const Investigation& found, Verdict& verdict);
+using Investigations = std::vector<std::unique_ptr<Investigation>>;
 
-/// Adds the forms of an investigation's residual to a verdict, behind those of others.
-void add_descriptions(const Investigation& found, Verdict& verdict);
+/// Gains of the candidates of some investigations, those of `shown` first. There is room for ten.
+[[nodiscard]] std::vector<Evidence> evidence_of(const Investigations& all,
+                                                const Investigation& shown);
 
-/// Adds the other findings of an investigation to a verdict: causes, limits, scores, proof, traces.
-/// Scores, refitted parameters, proof and traces replace those of others.
-void report(const Investigation& found, Verdict& verdict);
+/// Forms of the residuals of some investigations, those of `shown` first. If its residual is
+/// unknown and has no form, there are none, since the first one is taken for the best of it.
+[[nodiscard]] std::vector<Description> descriptions_of(const Investigations& all,
+                                                       const Investigation& shown);
+
+/// The named terms of an investigation.
+[[nodiscard]] std::vector<Cause> causes_of(const Investigation& found);
+
+/// Terms of an investigation that were selected and are not named, and the reasons.
+[[nodiscard]] std::vector<std::string> withdrawn_of(const Investigation& found);
+
+/// The final model of an investigation without one of its causes, fitted again; by the name of the
+/// cause. Empty with fewer than two causes.
+using Reduced = std::vector<std::pair<std::string, Hypothesis>>;
+[[nodiscard]] Reduced reduced_models(const Investigation& found);
+
+/// Scores, refitted parameters, proof and traces of an investigation.
+[[nodiscard]] Comparison comparison_of(const Investigation& found, const Reduced& reduced);
+
+/// Errors on the record of the proof if the answer is changed and everything is refitted. Empty
+/// without a held-out record.
+[[nodiscard]] std::vector<Ablation> ablation_of(const Investigation& found, const Reduced& reduced);
 
 /// Output of an investigation without its axis: "displacement", "force".
 [[nodiscard]] std::string output_of(const Investigation& found);
+
+/// The lowest confidence of any cause.
+[[nodiscard]] double confidence_in(const std::vector<Cause>& causes);
 
 /// The verdict in one sentence.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict);

@@ -55,7 +55,7 @@ std::string change(double before, double after) {
 std::string errors_of(const Verdict& verdict) {
   constexpr std::size_t kMostListed = 3;
   std::vector<const RecordScore*> unseen;
-  for (const auto& score : verdict.fit)
+  for (const auto& score : verdict.comparison.fit)
     if (score.use == "held_out") unseen.push_back(&score);
   if (unseen.empty()) return "no record was held out to prove it";
   if (unseen.size() == 1)
@@ -72,20 +72,21 @@ std::string errors_of(const Verdict& verdict) {
       unseen.begin(), unseen.end(),
       [](const auto* a, const auto* b) { return a->nrmse_after < b->nrmse_after; });
   return fmt::format("on {} unseen records the error {}, at worst {} ({})", unseen.size(),
-                     change(verdict.proof.before, verdict.proof.after),
+                     change(verdict.comparison.proof.before, verdict.comparison.proof.after),
                      course(worst->nrmse_before, worst->nrmse_after), worst->record);
 }
 
 // "what is left is 31 times the sensors' noise, and systematic"
 std::string rest_of(const Verdict& verdict) {
   constexpr double kNoise = 1.1;
-  const ProofSummary& proof = verdict.proof;
+  const ProofSummary& proof = verdict.comparison.proof;
   const double times = proof.after / proof.floor;
   if (!(times < 1e6)) return "the sensors' noise is not known";
   const std::string noise = proof.has_noise_at_rest ? "the sensors' noise" : "the guessed noise";
-  if (times < kNoise && !verdict.has_remainder) return "what is left is " + noise;
-  return fmt::format("what is left is {:.2g} times {}{}", times, noise,
-                     proof.is_systematic || verdict.has_remainder ? ", and systematic" : "");
+  if (times < kNoise && !verdict.conclusion.has_remainder) return "what is left is " + noise;
+  return fmt::format(
+      "what is left is {:.2g} times {}{}", times, noise,
+      proof.is_systematic || verdict.conclusion.has_remainder ? ", and systematic" : "");
 }
 
 // "friction (machine, …) and a different hysteresis rule: … (bearing, …)"
@@ -117,35 +118,37 @@ std::string alternatives_of(const Cause& cause, bool is_only) {
 // The alternatives of every cause, and the next test.
 std::string ties_of(const Verdict& verdict) {
   std::string ties;
-  for (const auto& cause : verdict.causes)
-    ties += alternatives_of(cause, verdict.causes.size() == 1);
+  for (const auto& cause : verdict.conclusion.causes)
+    ties += alternatives_of(cause, verdict.conclusion.causes.size() == 1);
   if (ties.empty()) return ties;
-  return ties + (verdict.next_test.empty() ? " No known test separates them."
-                                           : fmt::format(" Next test: {}.", verdict.next_test));
+  return ties + (verdict.next.text.empty() ? " No known test separates them."
+                                           : fmt::format(" Next test: {}.", verdict.next.text));
 }
 
 // The force is predicted from the measured motion, so errors of the motion remain outside.
 std::string of_force(const Verdict& verdict) {
-  return verdict.where.channel.starts_with("force") ? " of the force under the measured motion"
-                                                    : "";
+  return verdict.conclusion.where.channel.starts_with("force")
+             ? " of the force under the measured motion"
+             : "";
 }
 
 std::string none_sentence(const Verdict& verdict) {
-  return verdict.proof_record.empty()
+  return verdict.comparison.proof_record.empty()
              ? "Nothing is missing: the residual is noise."
              : fmt::format("Nothing is missing: the residual is noise; {}.", errors_of(verdict));
 }
 
 // The errors of the proof, and the share of their energy that is explained.
 std::string proof_of(const Verdict& verdict) {
-  if (verdict.proof_record.empty()) return errors_of(verdict);
+  if (verdict.comparison.proof_record.empty()) return errors_of(verdict);
   return fmt::format("{} ({} of the unexplained energy{}); {}", errors_of(verdict),
-                     share_text(verdict.proof.explained), of_force(verdict), rest_of(verdict));
+                     share_text(verdict.comparison.proof.explained), of_force(verdict),
+                     rest_of(verdict));
 }
 
 std::string missing_sentence(const Verdict& verdict) {
-  return fmt::format("Missing: {}, confidence {:.2f}; {}.{}", list_of(verdict.causes),
-                     verdict.confidence, proof_of(verdict), ties_of(verdict));
+  return fmt::format("Missing: {}, confidence {:.2f}; {}.{}", list_of(verdict.conclusion.causes),
+                     verdict.conclusion.confidence, proof_of(verdict), ties_of(verdict));
 }
 
 std::string form_text(const Description& best) {
@@ -158,45 +161,47 @@ std::string form_text(const Description& best) {
 
 std::string unknown_sentence(const Verdict& verdict) {
   const std::string besides =
-      verdict.causes.empty()
+      verdict.conclusion.causes.empty()
           ? ""
-          : fmt::format("besides {} ({}), ", list_of(verdict.causes), proof_of(verdict));
+          : fmt::format("besides {} ({}), ", list_of(verdict.conclusion.causes), proof_of(verdict));
   const std::string form = verdict.descriptions.empty() ? "none of the tried forms describes it"
                                                         : form_text(verdict.descriptions[0]);
   return fmt::format(
       "Unknown: {}the residual of {} ({}) is systematic, and none of the terms that were searched "
       "explains it; {}.",
-      besides, verdict.where.channel, name_of(verdict.where.part), form);
+      besides, verdict.conclusion.where.channel, name_of(verdict.conclusion.where.part), form);
 }
 
 // " The noise was not measured at rest: …": without, a residual of wrongly estimated noise looks
 // systematic.
 std::string doubt_of(const Verdict& verdict) {
-  const bool is_doubtful = verdict.outcome == Outcome::Unknown || verdict.has_remainder;
-  if (!is_doubtful || verdict.noise_remedy.empty()) return "";
-  return " The noise was not measured at rest: " + verdict.noise_remedy + ".";
+  const bool is_doubtful =
+      verdict.conclusion.outcome == Outcome::Unknown || verdict.conclusion.has_remainder;
+  if (!is_doubtful || verdict.noise.remedy.empty()) return "";
+  return " The noise was not measured at rest: " + verdict.noise.remedy + ".";
 }
 
 }  // namespace
 
 std::string sentence_of(const Verdict& verdict) {
-  if (verdict.outcome == Outcome::None) return none_sentence(verdict);
-  return (verdict.outcome == Outcome::Missing ? missing_sentence(verdict)
-                                              : unknown_sentence(verdict)) +
+  if (verdict.conclusion.outcome == Outcome::None) return none_sentence(verdict);
+  return (verdict.conclusion.outcome == Outcome::Missing ? missing_sentence(verdict)
+                                                         : unknown_sentence(verdict)) +
          doubt_of(verdict);
 }
 
 std::string transfer_sentence(const Verdict& verdict, const std::string& finding) {
-  const std::vector<Cause> others{verdict.causes.begin() + 1, verdict.causes.end()};
+  const std::vector<Cause> others{verdict.conclusion.causes.begin() + 1,
+                                  verdict.conclusion.causes.end()};
   const std::string form =
       verdict.descriptions.empty() ? "" : "; " + form_text(verdict.descriptions[0]);
   std::string rest;
-  for (const auto& output : verdict.unexplained)
+  for (const auto& output : verdict.conclusion.unexplained)
     rest += fmt::format(
         "; the residual of {} is systematic, and none of the terms that were searched explains it",
         output);
-  return fmt::format("Missing: {} ({}){}{}: {}{}{}.{}{}", verdict.causes[0].title,
-                     name_of(verdict.causes[0].part), others.empty() ? "" : " and ",
+  return fmt::format("Missing: {} ({}){}{}: {}{}{}.{}{}", verdict.conclusion.causes[0].title,
+                     name_of(verdict.conclusion.causes[0].part), others.empty() ? "" : " and ",
                      list_of(others), finding, rest, form, ties_of(verdict), doubt_of(verdict));
 }
 

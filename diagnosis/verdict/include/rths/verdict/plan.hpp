@@ -46,8 +46,8 @@ struct Plan {
 
   std::string case_name, kind;
   std::vector<PlannedRecord> records;
-  std::string noise_model, noise_remedy;  ///< as in a verdict
-  std::vector<std::string> limits;        ///< channels that are missing or not used
+  NoiseBasis noise;
+  std::vector<std::string> limits;  ///< channels that are missing or not used
   std::vector<Examined> relations;
 };
 

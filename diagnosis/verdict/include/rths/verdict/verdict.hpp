@@ -122,38 +122,66 @@ struct ProofSummary {
   bool has_noise_at_rest = false;  ///< the noise was measured, not guessed from samples in motion
 };
 
-/// All results of a diagnosis.
-struct Verdict {
-  std::string case_name;
+/// The answer of a diagnosis.
+struct Conclusion {
   Outcome outcome = Outcome::None;
-  std::string sentence;  ///< the summary
-  Where where;
+  double confidence = 0;  ///< in the outcome [-]
   std::vector<Cause> causes;
-  double confidence = 0;       ///< in the outcome [-]
   bool has_remainder = false;  ///< a systematic residual remains besides the named causes
   /// Outputs with a systematic residual that no term explains, without axis: "displacement".
   std::vector<std::string> unexplained;
-  ProofSummary proof;
+  Where where;
+};
+
+/// Simulation and measurement of the relation that is shown, without and with the named terms.
+struct Comparison {
   std::vector<RecordScore> fit;
   std::vector<Refitted> refitted;
-  std::string proof_record;  ///< last record that was not used before; empty: there is none
+  ProofSummary proof;
+  std::string proof_record;   ///< last record that was not used before; empty: there is none
+  Whiteness residual;         ///< of the proof
+  std::vector<Trace> traces;  ///< of every record and output
+};
+
+/// Terms of the catalogue that a diagnosis considers.
+struct ConsideredTerms {
+  std::vector<std::string> assumed;   ///< the simulation already has them
+  std::vector<std::string> searched;  ///< effects that could have been named
+};
+
+/// The test to run next.
+struct ProposedTest {
+  std::string text;   ///< empty: none
+  TestMotion motion;  ///< no channels: there is none
+};
+
+/// Where the noise of the sensors is known from.
+struct NoiseBasis {
+  std::string source;
+  std::string remedy;  ///< how to measure the noise; empty: it was measured at rest
+};
+
+/// The simulation with the named causes.
+struct Improvement {
+  std::string fragment;  ///< TOML of the improved model, for experiments
+  CaseSource source;     ///< the improved case, and experiment; empty: none
+};
+
+/// All results of a diagnosis.
+struct Verdict {
+  std::string case_name;
+  std::string sentence;  ///< the summary
+  Conclusion conclusion;
+  Comparison comparison;
   std::vector<Ablation> ablation;
-  bool residual_white = false;
-  std::vector<double> residual_correlation;  ///< of the proof, from lag 1 on
-  double correlation_bound = 0;  ///< 95 % of the lags of noise lie within ± this; 0: not known
   std::vector<Description> descriptions;  ///< best first
   std::vector<Evidence> evidence;         ///< best first, of the first term
-  std::vector<std::string> limits;        ///< missing channels, noise model, unvisited states
-  std::vector<std::string> assumed;       ///< terms that the simulation already has
-  std::vector<std::string> searched;      ///< effects that could have been named
-  std::string next_test;                  ///< proposed next; empty: none
-  TestMotion next_motion;                 ///< of that test; no channels: there is none
-  std::string noise_model;                ///< source of the noise
-  std::string noise_remedy;       ///< how to measure the noise; empty: it was measured at rest
-  std::string fragment;           ///< TOML of the improved model, for experiments
-  CaseSource improved;            ///< the improved case, and experiment; empty: none
+  ConsideredTerms terms;
+  ProposedTest next;
+  NoiseBasis noise;
+  std::vector<std::string> limits;  ///< missing channels, source of the noise, unvisited states
+  Improvement improvement;
   budget::MismatchBudget budget;  ///< of the response of a run; empty: none
-  std::vector<Trace> traces;      ///< of every record and output of the relation that is shown
   bool synthetic = false;         ///< the recordings come from models, not from a laboratory
   double seconds = 0;             ///< run time
 };
