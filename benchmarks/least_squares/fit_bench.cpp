@@ -145,8 +145,8 @@ Json compared(const std::string& name, const FitProblem& problem) {
   return found;
 }
 
-FitProblem problem_of(const diagnosis::Supposition& supposition, const diagnosis::Fold& fold) {
-  const auto& hypothesis = supposition.hypothesis();
+FitProblem problem_of(const diagnosis::TestedHypothesis& tested, const diagnosis::Fold& fold) {
+  const auto& hypothesis = tested.hypothesis();
   const auto count = static_cast<Index>(hypothesis.free.size());
   FitProblem problem;
   problem.start = hypothesis.values;
@@ -160,12 +160,12 @@ FitProblem problem_of(const diagnosis::Supposition& supposition, const diagnosis
     all.push_back(i);
   }
   for (const auto& share : fold.shares)
-    problem.rows += supposition.problem().drive(share.record).measured.size();
-  problem.residuals = [&supposition, fold, all](const VectorXd& values, VectorXd& residual,
-                                                MatrixXd* jacobian) {
+    problem.rows += tested.problem().drive(share.record).measured.size();
+  problem.residuals = [&tested, fold, all](const VectorXd& values, VectorXd& residual,
+                                           MatrixXd* jacobian) {
     MatrixXd none;
-    return supposition.evaluate(fold, values, jacobian != nullptr ? all : std::vector<Index>{},
-                                residual, jacobian != nullptr ? *jacobian : none);
+    return tested.evaluate(fold, values, jacobian != nullptr ? all : std::vector<Index>{}, residual,
+                           jacobian != nullptr ? *jacobian : none);
   };
   return problem;
 }
@@ -202,8 +202,8 @@ void add_case(const std::filesystem::path& folder, Json& results) {
     const std::string title = c.name + ": " + name;
     try {
       problem.renew_noise(hypothesis);
-      const diagnosis::Supposition supposition{problem, hypothesis};
-      results.push_back(compared(title, problem_of(supposition, diagnosis::whole({0}))));
+      const diagnosis::TestedHypothesis tested{problem, hypothesis};
+      results.push_back(compared(title, problem_of(tested, diagnosis::whole({0}))));
     } catch (const Error& error) {
       std::fprintf(stderr, "%s: %s\n", title.c_str(), error.what());
     }

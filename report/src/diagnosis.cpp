@@ -91,7 +91,7 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
 std::vector<fs::path> write_predictions(const diagnosis::Verdict& verdict, const fs::path& folder,
                                         Replacements& written) {
   std::vector<std::pair<std::string, std::vector<const diagnosis::Trace*>>> records;
-  for (const auto& trace : verdict.comparison.traces) {
+  for (const auto& trace : verdict.evaluation.traces) {
     if (records.empty() || records.back().first != trace.record)
       records.push_back({trace.record, {}});
     records.back().second.push_back(&trace);

@@ -32,7 +32,7 @@ diagnosis::Verdict with_near_times(const diagnosis::Verdict& verdict) {
   diagnosis::Verdict near = verdict;
   std::vector<std::string> starts;
   const std::string* record = nullptr;  // the traces of a record follow each other
-  for (auto& trace : near.comparison.traces) {
+  for (auto& trace : near.evaluation.traces) {
     if (trace.time.empty() || std::abs(trace.time.front()) < kFarFromZero) continue;
     const double start = trace.time.front();
     shift(trace.time, -start);
@@ -93,10 +93,10 @@ Json response_data(const diagnosis::Verdict& verdict) {
 // Those of the first record, of the place of the mismatch, and of the proof.
 std::vector<const diagnosis::Trace*> shown_traces(const diagnosis::Verdict& verdict) {
   std::vector<const diagnosis::Trace*> shown;
-  for (const auto& trace : verdict.comparison.traces)
-    if (trace.record == verdict.comparison.traces[0].record ||
+  for (const auto& trace : verdict.evaluation.traces)
+    if (trace.record == verdict.evaluation.traces[0].record ||
         trace.record == verdict.conclusion.where.record ||
-        trace.record == verdict.comparison.proof_record)
+        trace.record == verdict.evaluation.proof_record)
       shown.push_back(&trace);
   return shown;
 }

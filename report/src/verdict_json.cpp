@@ -209,17 +209,17 @@ Json verdict_numbers(const Verdict& verdict) {
   json["budget"] = budget_json(verdict.budget);
   json["causes"] = each(verdict.conclusion.causes, cause_json);
   json["fit"] = Json::object();
-  for (const auto& score : verdict.comparison.fit) json["fit"][score.record] = score_json(score);
+  for (const auto& score : verdict.evaluation.fit) json["fit"][score.record] = score_json(score);
   json["refitted"] = Json::object();
-  for (const auto& parameter : verdict.comparison.refitted)
+  for (const auto& parameter : verdict.evaluation.refitted)
     json["refitted"][parameter.name] = refitted_json(parameter);
-  json["proof_record"] = text_or_null(verdict.comparison.proof_record);
+  json["proof_record"] = text_or_null(verdict.evaluation.proof_record);
   json["ablation"] = each(verdict.ablation, ablation_json);
-  json["proof"] = proof_json(verdict.comparison.proof);
-  json["residual_white"] = verdict.comparison.residual.is_white;
-  json["residual_correlation"] = numbers(verdict.comparison.residual.correlation);
-  json["correlation_bound"] = verdict.comparison.residual.bound > 0
-                                  ? number(verdict.comparison.residual.bound)
+  json["proof"] = proof_json(verdict.evaluation.proof);
+  json["residual_white"] = verdict.evaluation.residual.is_white;
+  json["residual_correlation"] = numbers(verdict.evaluation.residual.correlation);
+  json["correlation_bound"] = verdict.evaluation.residual.bound > 0
+                                  ? number(verdict.evaluation.residual.bound)
                                   : Json(nullptr);
   json["descriptions"] = each(verdict.descriptions, description_json);
   json["evidence"] = each(verdict.evidence, evidence_json);

@@ -78,7 +78,7 @@ std::string description_text(const Verdict& verdict) {
 // Parameters fitted without and with the named causes.
 std::string refitted_text(const Verdict& verdict) {
   std::string text;
-  for (const auto& p : verdict.comparison.refitted)
+  for (const auto& p : verdict.evaluation.refitted)
     text += fmt::format("fitted    {:<44} {:.4g} without, {:.4g} with the named causes {}\n",
                         p.name, p.before, p.after, p.unit);
   return text;
@@ -89,18 +89,18 @@ std::string percent(double value) {
 }
 
 std::string scores_text(const Verdict& verdict) {
-  if (verdict.comparison.fit.empty()) return "";
+  if (verdict.evaluation.fit.empty()) return "";
   std::size_t width = 8;
-  for (const auto& score : verdict.comparison.fit) width = std::max(width, score.record.size());
+  for (const auto& score : verdict.evaluation.fit) width = std::max(width, score.record.size());
   std::string text = fmt::format("\n{:<{}}  {:<9} {:>10} {:>10} {:>10}\n", "error on", width, "",
                                  "before", "after", "noise");
-  for (const auto& score : verdict.comparison.fit)
+  for (const auto& score : verdict.evaluation.fit)
     text += fmt::format("{:<{}}  {:<9} {:>10} {:>10} {:>10}\n", score.record, width,
-                        score.record == verdict.comparison.proof_record ? "proof" : score.use,
+                        score.record == verdict.evaluation.proof_record ? "proof" : score.use,
                         percent(score.nrmse_before), percent(score.nrmse_after),
                         percent(score.noise_floor));
   return text + fmt::format("the residual is {}\n",
-                            verdict.comparison.residual.is_white ? "white" : "not white");
+                            verdict.evaluation.residual.is_white ? "white" : "not white");
 }
 
 }  // namespace

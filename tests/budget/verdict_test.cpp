@@ -131,13 +131,13 @@ TEST(BudgetOfAVerdict, HasNoRemainderIfOnlyTheActuatorWasUnknown) {
 // The errors of the diagnosis are those of filtered signals.
 TEST(BudgetOfAVerdict, ComparesErrorsOfOneDefinition) {
   Verdict verdict = unknown_in(Part::Actuator);
-  verdict.comparison.proof.before = 0.05;
-  verdict.comparison.proof.floor = 1e-4;
+  verdict.evaluation.proof.before = 0.05;
+  verdict.evaluation.proof.floor = 1e-4;
   RecordScore fitted, unseen;
   fitted.use = "fit";
   unseen.use = "held_out";
   fitted.nrmse_before = unseen.nrmse_before = 0.05;
-  verdict.comparison.fit = {fitted, unseen};
+  verdict.evaluation.fit = {fitted, unseen};
   auto found = budget_with(0.002);
   found.axes[0].held_out = 0.003;
   found.axes[0].held_out_without = 0.5;
@@ -145,16 +145,16 @@ TEST(BudgetOfAVerdict, ComparesErrorsOfOneDefinition) {
 
   add_budget(found, verdict);
 
-  EXPECT_EQ(verdict.comparison.fit[0].nrmse_before, 0.4);
-  EXPECT_EQ(verdict.comparison.fit[0].nrmse_after, 0.002);
-  EXPECT_EQ(verdict.comparison.fit[1].nrmse_before, 0.5);
-  EXPECT_EQ(verdict.comparison.fit[1].nrmse_after, 0.003);
-  EXPECT_EQ(verdict.comparison.fit[1].noise_floor, 0.001);
-  EXPECT_EQ(verdict.comparison.proof.before, 0.5);
-  EXPECT_EQ(verdict.comparison.proof.after, 0.003);
-  EXPECT_EQ(verdict.comparison.proof.floor, 0.001);
-  EXPECT_NEAR(verdict.comparison.proof.explained, (0.25 - 9e-6) / (0.25 - 1e-6), 1e-12);
-  EXPECT_EQ(verdict.conclusion.causes[0].explained, verdict.comparison.proof.explained);
+  EXPECT_EQ(verdict.evaluation.fit[0].nrmse_before, 0.4);
+  EXPECT_EQ(verdict.evaluation.fit[0].nrmse_after, 0.002);
+  EXPECT_EQ(verdict.evaluation.fit[1].nrmse_before, 0.5);
+  EXPECT_EQ(verdict.evaluation.fit[1].nrmse_after, 0.003);
+  EXPECT_EQ(verdict.evaluation.fit[1].noise_floor, 0.001);
+  EXPECT_EQ(verdict.evaluation.proof.before, 0.5);
+  EXPECT_EQ(verdict.evaluation.proof.after, 0.003);
+  EXPECT_EQ(verdict.evaluation.proof.floor, 0.001);
+  EXPECT_NEAR(verdict.evaluation.proof.explained, (0.25 - 9e-6) / (0.25 - 1e-6), 1e-12);
+  EXPECT_EQ(verdict.conclusion.causes[0].explained, verdict.evaluation.proof.explained);
 }
 
 TEST(BudgetOfAVerdict, NamesNoTransferSystemThatDoesNotPredict) {

@@ -235,7 +235,7 @@ TEST(CandidateTerms, HaveAContactAreaInProportionToTheLoad) {
   }
 }
 
-// The specimen's force is kept between suppositions.
+// The specimen's force is kept between tested hypotheses.
 TEST(CompositionSimulator, DistinguishesTheAxisOfATerm) {
   Record record;
   record.name = "sweep";

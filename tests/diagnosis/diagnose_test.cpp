@@ -67,9 +67,9 @@ TEST(Diagnosis, FindsNothingMissingInACompleteModel) {
 
   EXPECT_EQ(verdict.conclusion.outcome, Outcome::None) << verdict.sentence;
   EXPECT_TRUE(verdict.conclusion.causes.empty());
-  ASSERT_EQ(verdict.comparison.fit.size(), 3U);
+  ASSERT_EQ(verdict.evaluation.fit.size(), 3U);
   // Two seconds at rest in each record give the low third octaves to about 30 %.
-  EXPECT_NEAR(verdict.comparison.fit[2].variance_after, 1, 0.3);
+  EXPECT_NEAR(verdict.evaluation.fit[2].variance_after, 1, 0.3);
 }
 
 // White noise of deviation σ sampled every Δt has a velocity of 2π σ √(2 Δt f³/3) below f. The
@@ -241,13 +241,13 @@ TEST(Diagnosis, NamesFrictionAndProvesItOnTheUnseenRecord) {
   ASSERT_EQ(verdict.conclusion.causes.size(), 1U) << verdict.sentence;
   EXPECT_EQ(verdict.conclusion.causes[0].name, "coulomb_friction");
   EXPECT_EQ(verdict.conclusion.where.part, Part::Machine);
-  EXPECT_DOUBLE_EQ(verdict.conclusion.causes[0].explained, verdict.comparison.proof.explained);
+  EXPECT_DOUBLE_EQ(verdict.conclusion.causes[0].explained, verdict.evaluation.proof.explained);
   const Estimate& force = verdict.conclusion.causes[0].parameters[0];
   EXPECT_NEAR(force.value, 300, 10);
   EXPECT_LT(force.low, 300);
   EXPECT_GT(force.high, 300);
-  EXPECT_EQ(verdict.comparison.proof_record, "unseen");
-  const RecordScore& proof = verdict.comparison.fit.back();
+  EXPECT_EQ(verdict.evaluation.proof_record, "unseen");
+  const RecordScore& proof = verdict.evaluation.fit.back();
   EXPECT_LT(proof.nrmse_after, 0.3 * proof.nrmse_before);
   EXPECT_LT(proof.nrmse_after, 1.2 * proof.noise_floor);
   EXPECT_NE(verdict.improvement.fragment.find("friction_force_N = "), std::string::npos);
@@ -359,7 +359,7 @@ TEST(Diagnosis, MapsAllVisitedStates) {
   EXPECT_GE(smallest_set, 0.8);
   EXPECT_GE(all, smallest_set);
   // White noise of about 950 rows.
-  EXPECT_NEAR(verdict.comparison.residual.bound, 1.96 / std::sqrt(950), 2e-3);
+  EXPECT_NEAR(verdict.evaluation.residual.bound, 1.96 / std::sqrt(950), 2e-3);
 }
 
 TEST(Diagnosis, MapsTheExcessOverAccelerationAndDissipatedEnergy) {

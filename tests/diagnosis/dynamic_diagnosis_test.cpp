@@ -163,7 +163,7 @@ class UserSystem : public ::testing::TestWithParam<LeftOut> {
               names.end())
         << cause.name << " at " << cause.channel << ": " << verdict.sentence;
     EXPECT_GT(cause.explained, 0.95) << verdict.sentence;
-    const RecordScore& proof = verdict.comparison.fit.back();
+    const RecordScore& proof = verdict.evaluation.fit.back();
     EXPECT_LT(proof.nrmse_after, 1.2 * proof.noise_floor + by_jumps()) << verdict.sentence;
     EXPECT_GT(proof.nrmse_before, 2 * proof.nrmse_after) << verdict.sentence;
   }

@@ -33,7 +33,7 @@ TEST_P(ExampleCase, NamesItsMissingEffect) {
   ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
   const std::string& name = verdict.conclusion.causes[0].name;
   EXPECT_NE(std::find(causes.begin(), causes.end(), name), causes.end()) << verdict.sentence;
-  EXPECT_LT(verdict.comparison.fit.back().nrmse_after, most_after) << verdict.sentence;
+  EXPECT_LT(verdict.evaluation.fit.back().nrmse_after, most_after) << verdict.sentence;
 }
 
 // Errors: 1.2 times the noise of synthetic records, about 1.2 times the measured value of others.

@@ -54,13 +54,13 @@ class ImprovedCase : public ::testing::Test {
     // A residual may remain, but no further term.
     EXPECT_TRUE(trip.second.conclusion.causes.empty()) << trip.second.sentence;
     EXPECT_EQ(trip.second.case_name, "first, improved");
-    const RecordScore &before = trip.first.comparison.fit.back(),
-                      &after = trip.second.comparison.fit.back();
+    const RecordScore &before = trip.first.evaluation.fit.back(),
+                      &after = trip.second.evaluation.fit.back();
     EXPECT_EQ(after.record, before.record);
     // The file has nine digits of each parameter.
     EXPECT_NEAR(after.nrmse_stated, before.nrmse_after, 1e-3 * before.nrmse_after);
-    for (const auto& stated : trip.second.comparison.refitted)
-      for (const auto& fitted : trip.first.comparison.refitted)
+    for (const auto& stated : trip.second.evaluation.refitted)
+      for (const auto& fitted : trip.first.evaluation.refitted)
         if (stated.name == fitted.name) {
           EXPECT_NEAR(stated.stated, fitted.after, 1e-7 * std::abs(fitted.after)) << stated.name;
         }

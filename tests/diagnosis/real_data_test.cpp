@@ -40,7 +40,7 @@ class RealData : public testing::Test {
   // Over all held-out records, weighted with the energy of their measured signals.
   [[nodiscard]] double held_out(const Verdict& verdict, double RecordScore::*error) const {
     double errors = 0, all = 0;
-    for (const auto& score : verdict.comparison.fit) {
+    for (const auto& score : verdict.evaluation.fit) {
       if (score.use != "held_out") continue;
       const auto record = std::find_if(case_.records.begin(), case_.records.end(),
                                        [&](const Record& r) { return r.name == score.record; });
@@ -55,7 +55,7 @@ class RealData : public testing::Test {
                 held_out(verdict, &RecordScore::nrmse_stated),
                 held_out(verdict, &RecordScore::nrmse_before),
                 held_out(verdict, &RecordScore::nrmse_after));
-    for (const auto& p : verdict.comparison.refitted)
+    for (const auto& p : verdict.evaluation.refitted)
       std::printf("  %-40s %.6g without, %.6g with %s\n", p.name.c_str(), p.before, p.after,
                   p.unit.c_str());
   }
@@ -76,9 +76,9 @@ class RealData : public testing::Test {
     RecordProperty("outcome", name_of(verdict.conclusion.outcome));
     RecordProperty("sentence", verdict.sentence);
     // The last held-out record is the one that the verdict's sentence calls unseen.
-    const auto unseen = std::find_if(verdict.comparison.fit.rbegin(), verdict.comparison.fit.rend(),
+    const auto unseen = std::find_if(verdict.evaluation.fit.rbegin(), verdict.evaluation.fit.rend(),
                                      [](const auto& score) { return score.use == "held_out"; });
-    ASSERT_NE(unseen, verdict.comparison.fit.rend());
+    ASSERT_NE(unseen, verdict.evaluation.fit.rend());
     property("nrmse_stated", unseen->nrmse_stated);
     property("nrmse_before", unseen->nrmse_before);
     property("nrmse_after", unseen->nrmse_after);
@@ -88,7 +88,7 @@ class RealData : public testing::Test {
         property(parameter.name, parameter.value);
         property(parameter.name + ".half_width", (parameter.high - parameter.low) / 2);
       }
-    for (const auto& parameter : verdict.comparison.refitted) {
+    for (const auto& parameter : verdict.evaluation.refitted) {
       property(parameter.name + ".before", parameter.before);
       property(parameter.name + ".after", parameter.after);
     }
@@ -115,7 +115,7 @@ double value_of(const Verdict& verdict, const std::string& name) {
   for (const auto& cause : verdict.conclusion.causes)
     for (const auto& parameter : cause.parameters)
       if (parameter.name == name) return parameter.value;
-  for (const auto& parameter : verdict.comparison.refitted)
+  for (const auto& parameter : verdict.evaluation.refitted)
     if (parameter.name == name) return parameter.after;
   ADD_FAILURE() << "the verdict has no " << name;
   return 0;
@@ -159,8 +159,8 @@ TEST_F(RealData, EmpsHasMoreFrictionBackwardsThanForwards) {
   EXPECT_LE(held_out(verdict, &RecordScore::nrmse_after), 0.036);
   print_refit(verdict);
   // Without dry friction in the model, the fitted viscous friction is about twice its value.
-  ASSERT_EQ(verdict.comparison.refitted.size(), 2U);
-  EXPECT_GT(verdict.comparison.refitted[1].before, 1.9 * 203.5034);
+  ASSERT_EQ(verdict.evaluation.refitted.size(), 2U);
+  EXPECT_GT(verdict.evaluation.refitted[1].before, 1.9 * 203.5034);
 }
 
 TEST_F(RealData, EmpsWithoutFrictionInTheCatalogueIsUnknownAndDependsOnVelocity) {

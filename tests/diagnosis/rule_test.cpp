@@ -102,8 +102,8 @@ TEST(Rule, OfUnloadingIsFoundTogetherWithFriction) {
   EXPECT_NEAR(verdict.conclusion.causes[0].parameters[0].value, 400, 10);
   EXPECT_NEAR(verdict.conclusion.causes[1].parameters[0].value, 0.2, 0.01);
   EXPECT_EQ(verdict.conclusion.where.part, Part::Machine);
-  EXPECT_LT(verdict.comparison.fit.back().nrmse_after,
-            1.2 * verdict.comparison.fit.back().noise_floor);
+  EXPECT_LT(verdict.evaluation.fit.back().nrmse_after,
+            1.2 * verdict.evaluation.fit.back().noise_floor);
   EXPECT_NE(verdict.improvement.fragment.find("[specimen.bouc_wen]"), std::string::npos)
       << verdict.improvement.fragment;
   EXPECT_NE(verdict.improvement.fragment.find("\nbeta = 0."), std::string::npos)

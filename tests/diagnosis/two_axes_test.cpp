@@ -105,9 +105,9 @@ TEST(TwoAxes, HaveAParameterEachIfTheCaseStatesTwoValues) {
   for (const auto& [name, damping] : {std::pair{"viscous_friction.long.coefficient", 2000.0},
                                       {"viscous_friction.lat.coefficient", 6000.0}}) {
     const auto found =
-        std::find_if(verdict.comparison.refitted.begin(), verdict.comparison.refitted.end(),
+        std::find_if(verdict.evaluation.refitted.begin(), verdict.evaluation.refitted.end(),
                      [&](const auto& one) { return one.name == name; });
-    ASSERT_NE(found, verdict.comparison.refitted.end()) << name;
+    ASSERT_NE(found, verdict.evaluation.refitted.end()) << name;
     EXPECT_NEAR(found->after, damping, 0.01 * damping) << name;
   }
 }

@@ -14,17 +14,17 @@ namespace {
 
 constexpr std::uint64_t kAcceptanceSeed = 5;
 
-Contender gaining(const std::string& name, const std::vector<double>& blocks) {
-  Contender contender{friction(name), {}, 0, blocks, 0, 0, 0.25};
-  contender.gain = std::accumulate(blocks.begin(), blocks.end(), 0.0);
-  return contender;
+ScoredCandidate gaining(const std::string& name, const std::vector<double>& blocks) {
+  ScoredCandidate scored{friction(name), {}, 0, blocks, 0, 0, 0.25};
+  scored.gain = std::accumulate(blocks.begin(), blocks.end(), 0.0);
+  return scored;
 }
 std::vector<double> even(double gain, std::size_t blocks = 50) {
   return std::vector<double>(blocks, gain / static_cast<double>(blocks));
 }
-std::vector<std::string> names_of(const std::vector<Contender>& contenders) {
+std::vector<std::string> names_of(const std::vector<ScoredCandidate>& ranked) {
   std::vector<std::string> names;
-  for (const auto& one : contenders) names.push_back(one.candidate.name);
+  for (const auto& one : ranked) names.push_back(one.candidate.name);
   return names;
 }
 using Strings = std::vector<std::string>;
@@ -53,29 +53,29 @@ TEST(Acceptance, AcceptsALargeGainAtOneInstant) {
 }
 
 TEST(HeldBack, WaitsForAnAcceptableSimplerCandidate) {
-  Contender complex = gaining("complex", even(100));
+  ScoredCandidate complex = gaining("complex", even(100));
   complex.candidate.after = {"simple"};
-  std::vector<Contender> contenders{complex, gaining("simple", even(90))};
+  std::vector<ScoredCandidate> ranked{complex, gaining("simple", even(90))};
 
-  EXPECT_EQ(names_of(held_back(contenders, nullptr, 18, kAcceptanceSeed)), Strings{"complex"});
-  EXPECT_EQ(names_of(contenders), Strings{"simple"});
+  EXPECT_EQ(names_of(held_back(ranked, nullptr, 18, kAcceptanceSeed)), Strings{"complex"});
+  EXPECT_EQ(names_of(ranked), Strings{"simple"});
 }
 
 TEST(HeldBack, DoesNotWaitForACandidateThatGainsTooLittle) {
-  Contender complex = gaining("complex", even(100));
+  ScoredCandidate complex = gaining("complex", even(100));
   complex.candidate.after = {"simple"};
-  std::vector<Contender> contenders{complex, gaining("simple", even(10))};
+  std::vector<ScoredCandidate> ranked{complex, gaining("simple", even(10))};
 
-  EXPECT_TRUE(held_back(contenders, nullptr, 18, kAcceptanceSeed).empty());
-  EXPECT_EQ(names_of(contenders), (Strings{"complex", "simple"}));
+  EXPECT_TRUE(held_back(ranked, nullptr, 18, kAcceptanceSeed).empty());
+  EXPECT_EQ(names_of(ranked), (Strings{"complex", "simple"}));
 }
 
 TEST(HeldBack, LetsAHolderDefendItsPlace) {
-  Contender complex = gaining("complex", even(100));
+  ScoredCandidate complex = gaining("complex", even(100));
   complex.candidate.after = {"simple"};
-  std::vector<Contender> contenders{complex, gaining("simple", even(90))};
+  std::vector<ScoredCandidate> ranked{complex, gaining("simple", even(90))};
 
-  EXPECT_TRUE(held_back(contenders, &complex.candidate, 18, kAcceptanceSeed).empty());
+  EXPECT_TRUE(held_back(ranked, &complex.candidate, 18, kAcceptanceSeed).empty());
 }
 
 TEST(Chosen, IsTheBestIfItLeadsSignificantly) {
@@ -91,7 +91,7 @@ TEST(Chosen, IsTheBestIfItLeadsSignificantly) {
 TEST(Chosen, IsTheCheapestOfATie) {
   std::vector<double> blocks = even(100);
   for (std::size_t i = 0; i < blocks.size(); ++i) blocks[i] += i % 2 == 0 ? 10 : -10.1;
-  Contender costly = gaining("costly", even(100)), cheap = gaining("cheap", blocks);
+  ScoredCandidate costly = gaining("costly", even(100)), cheap = gaining("cheap", blocks);
   costly.candidate.price = 3;
   cheap.candidate.price = 1;
 
@@ -111,7 +111,7 @@ TEST(Chosen, TiesWhatDiffersByLessThanOnePercent) {
 
 // What a law contains besides the chosen one does not show, so it supports it.
 TEST(Chosen, TakesNoLawThatContainsItForAnAlternative) {
-  Contender larger = gaining("larger", even(100)), simple = gaining("simple", even(100));
+  ScoredCandidate larger = gaining("larger", even(100)), simple = gaining("simple", even(100));
   larger.candidate.contains = {"simple"};
   larger.candidate.price = 2;
   simple.candidate.price = 1;
@@ -125,7 +125,7 @@ TEST(Chosen, TakesNoLawThatContainsItForAnAlternative) {
 
 // One effect on all axes and on one of them is one effect.
 TEST(Chosen, CountsAnEffectOnSeveralAxesOnce) {
-  Contender both = gaining("x", even(100)), one = gaining("x", even(100));
+  ScoredCandidate both = gaining("x", even(100)), one = gaining("x", even(100));
   both.candidate.price = 1;
   one.candidate.price = 2;
   one.candidate.axis = "long";

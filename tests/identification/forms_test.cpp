@@ -65,7 +65,7 @@ class Forms : public ::testing::Test {
   }
   [[nodiscard]] std::vector<Description> described() const {
     const Problem problem = linear_problem(relation, records);
-    return describe(Supposition{problem, relation.stated}, two_records());
+    return describe(TestedHypothesis{problem, relation.stated}, two_records());
   }
 
   // Of a form whose name begins so.
@@ -208,7 +208,7 @@ TEST(HeldSamples, OfALongRecordAreFound) {
     const Problem problem = linear_problem(relation, records);
     std::vector<Description> found;
 
-    find_held_samples(Supposition{problem, relation.stated}, {{}, {}, whole({0})}, found);
+    find_held_samples(TestedHypothesis{problem, relation.stated}, {{}, {}, whole({0})}, found);
 
     ASSERT_EQ(found.size(), 1U);
     EXPECT_GT(found[0].share, 0.9) << length;
@@ -337,7 +337,7 @@ class FormRivals : public Forms {
     Problem problem = linear_problem(relation, records);
     const Folds folds = two_records();
     finish(problem, folds, selection);
-    const auto forms = describe(Supposition{problem, selection.named}, folds);
+    const auto forms = describe(TestedHypothesis{problem, selection.named}, folds);
     const auto one = withdraw_for_form(problem, folds, forms, selection);
     return one ? one->candidate.name : "none";
   }

@@ -19,28 +19,27 @@ using Eigen::VectorXd;
 
 constexpr double kEighth = 0.125;  // [s]: 8 rows in a block of 1 s
 
-TEST(Supposition, DividesResidualAndDerivativesByTheNoise) {
+TEST(TestedHypothesis, DividesResidualAndDerivativesByTheNoise) {
   LinearRelation relation{{"N", "m"}};
   relation.deviation = {0.5, 20};
   MatrixXd x(100, 2);
   x << sine_of(3, 100), 40 * sine_of(4, 100);
   const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, 3 * x, {{"x", x}})};
   const Problem problem = linear_problem(relation, records);
-  const Supposition supposition{problem, linear_model({"x"}, {1})};
+  const TestedHypothesis tested{problem, linear_model({"x"}, {1})};
   const VectorXd white = (VectorXd(200) << x.col(0) / 0.5, x.col(1) / 20).finished();
   VectorXd residual;
   MatrixXd jacobian;
 
-  ASSERT_TRUE(
-      supposition.evaluate(whole({0}), supposition.hypothesis().values, {0}, residual, jacobian));
+  ASSERT_TRUE(tested.evaluate(whole({0}), tested.hypothesis().values, {0}, residual, jacobian));
 
   EXPECT_LT((residual - 2 * white).cwiseAbs().maxCoeff(), 1e-12);
   EXPECT_LT((jacobian.col(0) + white).cwiseAbs().maxCoeff(), 1e-12);
   // Mean squares 4/0.25 and 4 · 1600/400.
-  EXPECT_NEAR(supposition.variance(whole({0})), 16, 1e-10);
+  EXPECT_NEAR(tested.variance(whole({0})), 16, 1e-10);
 }
 
-TEST(Supposition, TakesValuesWithinTheirBounds) {
+TEST(TestedHypothesis, TakesValuesWithinTheirBounds) {
   LinearRelation relation;
   const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 100), {})};
   const Problem problem = linear_problem(relation, records);
@@ -48,11 +47,11 @@ TEST(Supposition, TakesValuesWithinTheirBounds) {
   model.free[0].low = -1;
   model.free[1].high = 2;
 
-  EXPECT_EQ((Supposition{problem, model}.hypothesis().values), (VectorXd{{-1, 2}}));
+  EXPECT_EQ((TestedHypothesis{problem, model}.hypothesis().values), (VectorXd{{-1, 2}}));
 }
 
 // The last of the blocks has the four rows that remain.
-TEST(Supposition, SumsHalfSquaresOfEverySecond) {
+TEST(TestedHypothesis, SumsHalfSquaresOfEverySecond) {
   LinearRelation relation{{"N", "N"}};
   relation.deviation = {2, 2};
   MatrixXd ramp(100, 2);
@@ -60,7 +59,7 @@ TEST(Supposition, SumsHalfSquaresOfEverySecond) {
   const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, ramp, {})};
   const Problem problem = linear_problem(relation, records);
 
-  const auto blocks = Supposition{problem, relation.stated}.blocks(whole({0}));
+  const auto blocks = TestedHypothesis{problem, relation.stated}.blocks(whole({0}));
 
   ASSERT_EQ(blocks.size(), 13U);
   for (int block = 0; block < 13; ++block) {
@@ -72,18 +71,18 @@ TEST(Supposition, SumsHalfSquaresOfEverySecond) {
 }
 
 // Also of rows so far apart that a second has fewer.
-TEST(Supposition, HasBlocksOfEightRowsAtLeast) {
+TEST(TestedHypothesis, HasBlocksOfEightRowsAtLeast) {
   const LinearRelation relation;
   const std::vector<Record> records{
       linear_record("one", Use::Fit, 0.5, VectorXd::Constant(64, 3), {})};
   const Problem problem = linear_problem(relation, records);
 
-  const auto blocks = Supposition{problem, relation.stated}.blocks(whole({0}));
+  const auto blocks = TestedHypothesis{problem, relation.stated}.blocks(whole({0}));
 
   EXPECT_EQ(blocks, std::vector<double>(8, 36));
 }
 
-TEST(Supposition, HasNoBlocksOutsideItsFold) {
+TEST(TestedHypothesis, HasNoBlocksOutsideItsFold) {
   LinearRelation relation;
   const std::vector<Record> records{
       linear_record("one", Use::Fit, kEighth, VectorXd::Constant(96, 3), {})};
@@ -92,15 +91,15 @@ TEST(Supposition, HasNoBlocksOutsideItsFold) {
   fold.shares[0].weight = Eigen::ArrayXd::Zero(96);
   fold.shares[0].weight.segment(20, 40).setOnes();
 
-  const Supposition supposition{problem, relation.stated};
+  const TestedHypothesis tested{problem, relation.stated};
 
   // Rows 16 … 63, of which 20 … 59 count: ½ 3² each.
-  EXPECT_EQ(supposition.blocks(fold), (std::vector<double>{18, 36, 36, 36, 36, 18}));
+  EXPECT_EQ(tested.blocks(fold), (std::vector<double>{18, 36, 36, 36, 36, 18}));
   EXPECT_EQ(observations(problem, fold), 40);
-  EXPECT_DOUBLE_EQ(supposition.variance(fold), 9);
+  EXPECT_DOUBLE_EQ(tested.variance(fold), 9);
 }
 
-TEST(Supposition, DoesNotCompareRowsBeforeTheFirst) {
+TEST(TestedHypothesis, DoesNotCompareRowsBeforeTheFirst) {
   LinearRelation relation;
   std::vector<Record> records{
       linear_record("one", Use::Fit, kEighth, VectorXd::Constant(96, 3), {})};
@@ -108,26 +107,26 @@ TEST(Supposition, DoesNotCompareRowsBeforeTheFirst) {
   const Problem problem = linear_problem(relation, records);
 
   EXPECT_EQ(observations(problem, whole({0})), 80);
-  EXPECT_DOUBLE_EQ((Supposition{problem, relation.stated}.variance(whole({0}))), 9);
+  EXPECT_DOUBLE_EQ((TestedHypothesis{problem, relation.stated}.variance(whole({0}))), 9);
 }
 
-TEST(Supposition, DoesNotCompareRowsInGaps) {
+TEST(TestedHypothesis, DoesNotCompareRowsInGaps) {
   LinearRelation relation;
   VectorXd y = VectorXd::Constant(96, 3);
   y.segment(40, 16).setConstant(100);
   std::vector<Record> records{linear_record("one", Use::Fit, kEighth, y, {})};
   records[0].gaps = {{40, 56}};
   const Problem problem = linear_problem(relation, records);
-  const Supposition supposition{problem, relation.stated};
+  const TestedHypothesis tested{problem, relation.stated};
   const Fold all = compared(problem, {0});
 
   EXPECT_EQ(observations(problem, all), 80);
-  EXPECT_DOUBLE_EQ(supposition.variance(all), 9);
-  EXPECT_EQ(supposition.whitened(0).col(0).segment(40, 16).cwiseAbs().maxCoeff(), 0);
+  EXPECT_DOUBLE_EQ(tested.variance(all), 9);
+  EXPECT_EQ(tested.whitened(0).col(0).segment(40, 16).cwiseAbs().maxCoeff(), 0);
   EXPECT_EQ(problem.drive(0).compared_rows(y), MatrixXd::Constant(80, 1, 3));
 }
 
-TEST(Supposition, HasNoOffsetIfThatIsFree) {
+TEST(TestedHypothesis, HasNoOffsetIfThatIsFree) {
   LinearRelation relation;
   relation.offsets = true;
   const VectorXd x = sine_of(3, 96);
@@ -135,7 +134,8 @@ TEST(Supposition, HasNoOffsetIfThatIsFree) {
       linear_record("one", Use::Fit, kEighth, (x.array() + 50).matrix(), {})};
   const Problem problem = linear_problem(relation, records);
 
-  EXPECT_LT((Supposition{problem, relation.stated}.whitened(0) - x).cwiseAbs().maxCoeff(), 1e-10);
+  EXPECT_LT((TestedHypothesis{problem, relation.stated}.whitened(0) - x).cwiseAbs().maxCoeff(),
+            1e-10);
 }
 
 // The noise has the deviation 1 about its offset of 3 or -3. The rows before the first are no part
@@ -152,23 +152,23 @@ TEST(Problem, HasNoiseWithoutAnOffsetIfThatIsFree) {
   EXPECT_NEAR(deviation()(50, 0), 1, 1e-12);
 }
 
-TEST(Supposition, SaysThatThereIsNoPrediction) {
+TEST(TestedHypothesis, SaysThatThereIsNoPrediction) {
   LinearRelation relation;
   const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, sine_of(3, 96), {})};
   const Problem problem = linear_problem(relation, records);
   relation.has_prediction = false;
-  const Supposition supposition{problem, relation.stated};
+  const TestedHypothesis tested{problem, relation.stated};
 
-  EXPECT_EQ(supposition.prediction(0).size(), 0);
-  EXPECT_TRUE(supposition.blocks(whole({0})).empty());
-  EXPECT_EQ(test::error_of([&] { static_cast<void>(supposition.whitened(0)); }),
+  EXPECT_EQ(tested.prediction(0).size(), 0);
+  EXPECT_TRUE(tested.blocks(whole({0})).empty());
+  EXPECT_EQ(test::error_of([&] { static_cast<void>(tested.whitened(0)); }),
             "one: the model has no prediction");
   EXPECT_EQ(test::error_of([&] { static_cast<void>(linear_problem(relation, records)); }),
             "one: the model has no prediction (linear): it diverges");
 }
 
 // Normal equations: Σ x y/Σ x², here of two orthogonal signals.
-TEST(Supposition, FitsLinearParametersExactly) {
+TEST(TestedHypothesis, FitsLinearParametersExactly) {
   LinearRelation relation;
   const VectorXd x = sine_of(3, 200), y = sine_of(5, 200);
   const VectorXd measured = 2 * x - 7 * y + sine_of(9, 200);
@@ -176,7 +176,7 @@ TEST(Supposition, FitsLinearParametersExactly) {
       linear_record("one", Use::Fit, kEighth, measured, {{"x", x}, {"y", y}})};
   const Problem problem = linear_problem(relation, records);
 
-  const Fit fit = Supposition{problem, linear_model({"x", "y"}, {0, 0})}.fit(whole({0}), 12);
+  const Fit fit = TestedHypothesis{problem, linear_model({"x", "y"}, {0, 0})}.fit(whole({0}), 12);
 
   EXPECT_TRUE(fit.converged);
   EXPECT_NEAR(fit.parameters[0], 2, 1e-5);
@@ -185,15 +185,15 @@ TEST(Supposition, FitsLinearParametersExactly) {
 }
 
 // Hoerl & Kennard 1970, about the start: b (x·x/s²)/(x·x/s² + r²) away from it, with x·x = 100.
-TEST(Supposition, ARidgeHoldsAParameterNearItsStart) {
+TEST(TestedHypothesis, ARidgeHoldsAParameterNearItsStart) {
   LinearRelation relation;
   relation.deviation = {2};
   const MatrixXd x = sine_of(3, 100);
   const std::vector<Record> records{linear_record("one", Use::Fit, kEighth, 3 * x, {{"x", x}})};
   const Problem problem = linear_problem(relation, records);
-  const Supposition supposition{problem, linear_model({"x"}, {1})};
+  const TestedHypothesis tested{problem, linear_model({"x"}, {1})};
 
-  const Fit fit = supposition.fit(whole({0}), 20, VectorXd::Constant(1, 5));
+  const Fit fit = tested.fit(whole({0}), 20, VectorXd::Constant(1, 5));
 
   constexpr double kDamping = 1e-4;  // of the first step, which ends within the fit's tolerance
   EXPECT_NEAR(fit.parameters[0], 1 + 2 * 25 / (25 + 25.0), 1.1 * kDamping);

@@ -20,7 +20,7 @@ Whiteness whiteness_of_signal(const MatrixXd& residual) {
   const LinearRelation relation{std::vector<std::string>(std::size_t(residual.cols()), "N")};
   const std::vector<Record> records{linear_record("one", Use::Fit, kProofStep, residual, {})};
   const Problem problem = linear_problem(relation, records);
-  return whiteness_of(Supposition{problem, relation.stated}, 0);
+  return whiteness_of(TestedHypothesis{problem, relation.stated}, 0);
 }
 
 // x(t) = ρ x(t-1) + e(t), from its stationary distribution on.
@@ -255,7 +255,7 @@ TEST(Whiteness, IsOfTheComparedRows) {
   records[0].settle = 3600 * kProofStep;
   const Problem problem = linear_problem(relation, records);
 
-  const Whiteness last = whiteness_of(Supposition{problem, relation.stated}, 0);
+  const Whiteness last = whiteness_of(TestedHypothesis{problem, relation.stated}, 0);
 
   EXPECT_NEAR(last.bound, 1.96 / std::sqrt(400.0), 1e-12);
   // Bartlett (1946), four deviations of (1 - ρ²)/n.

@@ -61,7 +61,7 @@ TEST(Scores, DoNotPreferASlopeThatReactsLessToTheNoiseOfItsInput) {
   const Problem problem = linear_problem(relation, records);
   constexpr double d = NoisyInput::kError, n = NoisyInput::kRows, b = NoisyInput::kSlope;
   const auto blocks = [&](double slope) {
-    return sum(Supposition{problem, linear_model({"x"}, {slope})}.blocks(whole({0})));
+    return sum(TestedHypothesis{problem, linear_model({"x"}, {slope})}.blocks(whole({0})));
   };
   const auto score = [&](double slope) {
     return sum(scores(problem, linear_model({"x"}, {slope}), whole({0})));

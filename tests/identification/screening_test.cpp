@@ -33,7 +33,7 @@ class Screening : public ::testing::Test {
     return relation;
   }
   [[nodiscard]] std::vector<Screened> screened(const std::vector<Candidate>& candidates) const {
-    return screen(Supposition{problem, linear_model({"a"}, {3})}, whole({0}), candidates);
+    return screen(TestedHypothesis{problem, linear_model({"a"}, {3})}, whole({0}), candidates);
   }
   [[nodiscard]] double gain(const Candidate& candidate) const {
     const auto result = screened({candidate});
@@ -76,7 +76,7 @@ TEST_F(Screening, DoesNotDependOnTheUnitOfAParameter) {
   const Problem its = linear_problem(relation, one);
 
   const auto result =
-      screen(Supposition{its, linear_model({"a"}, {3})}, whole({0}), {friction("b")});
+      screen(TestedHypothesis{its, linear_model({"a"}, {3})}, whole({0}), {friction("b")});
 
   EXPECT_NEAR(result[0].gain, kWhole, 1e-9 * kWhole);
 }
@@ -88,7 +88,7 @@ TEST_F(Screening, GainsNothingWithTheWrongSign) {
     const std::vector<Record> one{
         linear_record("one", Use::Fit, 0.05, size * b, {{"b.coefficient", b}})};
     const Problem its = linear_problem(relation, one);
-    return screen(Supposition{its, relation.stated}, whole({0}), {friction("b", 0)})[0].gain;
+    return screen(TestedHypothesis{its, relation.stated}, whole({0}), {friction("b", 0)})[0].gain;
   };
 
   EXPECT_NEAR(gain_if(2), kWhole, 1e-9 * kWhole);
@@ -129,7 +129,7 @@ TEST_F(Screening, IsOfTheRowsOfItsFold) {
   b -= a * (a.dot(b) / a.squaredNorm());
 
   const auto result =
-      screen(Supposition{problem, linear_model({"a"}, {3})}, quarter, {friction("b")});
+      screen(TestedHypothesis{problem, linear_model({"a"}, {3})}, quarter, {friction("b")});
 
   const double expected = 0.5 * 4 * b.squaredNorm() / (kScreenNoise * kScreenNoise);
   EXPECT_NEAR(result[0].gain, expected, 1e-9 * expected);

@@ -190,10 +190,10 @@ Verdict common(const std::string& name) {
   v.case_name = name;
   v.synthetic = true;
   v.noise.source = "rest interval, 0.0 to 1.1 s, autoregressive of order 12";
-  v.comparison.residual.correlation = noise_correlation();
-  v.comparison.residual.bound = 0.05;
+  v.evaluation.residual.correlation = noise_correlation();
+  v.evaluation.residual.bound = 0.05;
   v.seconds = 1.84;
-  v.comparison.proof_record = "petrolia.csv";
+  v.evaluation.proof_record = "petrolia.csv";
   return v;
 }
 
@@ -227,18 +227,18 @@ Verdict missing_verdict() {
       "(noise floor 0.6 %). Could also be friction that follows the vertical load. Next test: "
       "empty "
       "table, sine of 0.5 Hz at three vertical loads (218 σ).";
-  v.comparison.traces = {trace("northridge.csv", 0, truth, absorbed_law, after),
+  v.evaluation.traces = {trace("northridge.csv", 0, truth, absorbed_law, after),
                          trace("petrolia.csv", 1.1, truth, absorbed_law, after)};
-  v.conclusion.where = where_of(v.comparison.traces[0], motion(0));
+  v.conclusion.where = where_of(v.evaluation.traces[0], motion(0));
   v.conclusion.causes = {friction_cause()};
-  v.comparison.refitted = {{"bouc_wen.post_yield_stiffness", "N/m", 4.24e6, 4.61e6, 4.25e6}};
-  v.comparison.fit = {{"northridge.csv", "fit", 0.089, 0.0061, 0.112, 0.0060, 31.0, 1.02},
+  v.evaluation.refitted = {{"bouc_wen.post_yield_stiffness", "N/m", 4.24e6, 4.61e6, 4.25e6}};
+  v.evaluation.fit = {{"northridge.csv", "fit", 0.089, 0.0061, 0.112, 0.0060, 31.0, 1.02},
                       {"kobe.csv", "fit", 0.093, 0.0062, 0.118, 0.0061, 33.2, 1.01},
                       {"petrolia.csv", "held_out", 0.091, 0.0063, 0.121, 0.0061, 32.4, 1.03}};
   v.ablation = {{"load_dep_friction instead of coulomb_friction", 0.0081},
                 {"quadratic_drag instead of coulomb_friction", 0.071},
                 {"without coulomb_friction", 0.091}};
-  v.comparison.residual.is_white = true;
+  v.evaluation.residual.is_white = true;
   v.evidence = {{"coulomb_friction", "Coulomb friction", 14.8, 13.1, 16.4},
                 {"load_dep_friction", "Friction that follows the load", 14.4, 12.8, 16.0},
                 {"stribeck_breakaway", "Friction with breakaway", 14.1, 12.2, 15.8},
@@ -263,9 +263,9 @@ Verdict none_verdict() {
       "Nothing is missing: the residual on the unseen record is noise (error 0.6 %, noise floor "
       "0.6 "
       "%; confidence 0.97).";
-  v.comparison.traces = {trace("petrolia.csv", 1.1, base_law, base_law, base_law)};
-  v.comparison.fit = {{"petrolia.csv", "held_out", 0.0061, 0.0061, 0.0061, 0.0060, 1.01, 1.01}};
-  v.comparison.residual.is_white = true;
+  v.evaluation.traces = {trace("petrolia.csv", 1.1, base_law, base_law, base_law)};
+  v.evaluation.fit = {{"petrolia.csv", "held_out", 0.0061, 0.0061, 0.0061, 0.0060, 1.01, 1.01}};
+  v.evaluation.residual.is_white = true;
   v.evidence = {{"quadratic_drag", "Quadratic drag", 0.003, -0.004, 0.01},
                 {"coulomb_friction", "Coulomb friction", 0.001, -0.006, 0.008}};
   v.limits = {"Displacements above 0.17 m were never visited."};
@@ -284,10 +284,10 @@ Verdict unknown_verdict() {
       "Unknown: none of the terms that were searched explains the residual; a force that depends "
       "on displacement, f(u), explains 93 % of it (confidence 0.94). Next test: a triangle of "
       "20 mm/s on the empty table shows whether it is the machine's.";
-  v.comparison.traces = {trace("northridge.csv", 0, truth, base_law, base_law),
+  v.evaluation.traces = {trace("northridge.csv", 0, truth, base_law, base_law),
                          trace("petrolia.csv", 1.1, truth, base_law, base_law)};
-  v.conclusion.where = where_of(v.comparison.traces[0], motion(0));
-  v.comparison.fit = {{"northridge.csv", "fit", 0.066, 0.066, 0.069, 0.006, 17.2, 17.2},
+  v.conclusion.where = where_of(v.evaluation.traces[0], motion(0));
+  v.evaluation.fit = {{"northridge.csv", "fit", 0.066, 0.066, 0.069, 0.006, 17.2, 17.2},
                       {"petrolia.csv", "held_out", 0.068, 0.068, 0.07, 0.006, 18.1, 18.1}};
   Description curve{"f(u)", 0.93, "displacement [m]", {}, {}, {}};
   for (double u = -0.16; u <= 0.161; u += 0.004) {
@@ -298,9 +298,9 @@ Verdict unknown_verdict() {
   v.descriptions = {curve, {"sgn(v) g(u)", 0.21, "", {}, {}, {}}, {"f(t)", 0.04, "", {}, {}, {}}};
   v.evidence = {{"cubic_stiffness", "Cubic stiffness", 0.05, -0.02, 0.12},
                 {"coulomb_friction", "Coulomb friction", 0.01, -0.06, 0.08}};
-  v.comparison.residual.correlation = {};
+  v.evaluation.residual.correlation = {};
   for (int lag = 1; lag <= 40; ++lag)
-    v.comparison.residual.correlation.push_back(0.8 * std::exp(-lag / 25.0) * std::cos(lag / 4.0));
+    v.evaluation.residual.correlation.push_back(0.8 * std::exp(-lag / 25.0) * std::cos(lag / 4.0));
   v.limits = {"No acceleration was recorded: inertia cannot be distinguished from stiffness."};
   v.next.text = "empty table, triangle of 20 mm/s";
   return v;

@@ -33,11 +33,11 @@ TEST(VerdictPage, NeedsNothingFromTheNetwork) {
 
 TEST(VerdictPage, StaysSmallWithManyLongRecords) {
   diagnosis::Verdict verdict = missing_verdict();
-  for (auto* values : {&verdict.comparison.traces[0].time, &verdict.comparison.traces[0].abscissa,
-                       &verdict.comparison.traces[0].measured, &verdict.comparison.traces[0].before,
-                       &verdict.comparison.traces[0].after, &verdict.comparison.traces[0].excess})
+  for (auto* values : {&verdict.evaluation.traces[0].time, &verdict.evaluation.traces[0].abscissa,
+                       &verdict.evaluation.traces[0].measured, &verdict.evaluation.traces[0].before,
+                       &verdict.evaluation.traces[0].after, &verdict.evaluation.traces[0].excess})
     values->resize(100'000);
-  verdict.comparison.traces.resize(30, verdict.comparison.traces[0]);
+  verdict.evaluation.traces.resize(30, verdict.evaluation.traces[0]);
 
   EXPECT_LT(verdict_page(verdict).size(), 3'000'000U);
 }
@@ -93,7 +93,7 @@ TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfTheCause) {
 // Causes of two relations have shares of different energies.
 TEST_F(RenderedVerdict, ShowsTheShareOfTheProofOnce) {
   diagnosis::Verdict verdict = missing_verdict();
-  verdict.comparison.proof.explained = 0.91;
+  verdict.evaluation.proof.explained = 0.91;
   verdict.conclusion.causes.push_back(verdict.conclusion.causes[0]);
   verdict.conclusion.causes[1].explained = std::nan("");
 
@@ -139,7 +139,7 @@ TEST_F(RenderedVerdict, ShowsTheFormOfTheRemainderBesideACause) {
 TEST_F(RenderedVerdict, OffersThePredictionWithoutEachCause) {
   diagnosis::Verdict verdict = missing_verdict();
   EXPECT_FALSE(holds(rendered(verdict), "Left out before"));
-  for (auto& trace : verdict.comparison.traces)
+  for (auto& trace : verdict.evaluation.traces)
     trace.without = {{"coulomb_friction", trace.before}, {"lead_heating", trace.stated}};
 
   const std::string page = rendered(verdict);
@@ -171,13 +171,13 @@ TEST_F(RenderedVerdict, SaysWhoseEnergyThePlaceHolds) {
 
 TEST_F(RenderedVerdict, DrawsWithOptionalDataMissing) {
   diagnosis::Verdict verdict = missing_verdict();
-  verdict.comparison.proof_record = "";
-  verdict.comparison.traces.resize(1);
-  verdict.comparison.traces[0].abscissa.clear();
-  verdict.comparison.traces[0].excess.clear();
+  verdict.evaluation.proof_record = "";
+  verdict.evaluation.traces.resize(1);
+  verdict.evaluation.traces[0].abscissa.clear();
+  verdict.evaluation.traces[0].excess.clear();
   verdict.conclusion.where.profiles.clear();
   verdict.conclusion.where.state_map.clear();
-  verdict.comparison.residual.bound = 0;
+  verdict.evaluation.residual.bound = 0;
   verdict.improvement.fragment.clear();
 
   const std::string page = rendered(verdict);

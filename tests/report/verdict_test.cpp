@@ -72,8 +72,8 @@ TEST(VerdictJson, DescribesTheFormOfAnUnknownCause) {
 
 TEST(VerdictJson, HasNullForNanAndInfinity) {
   diagnosis::Verdict verdict = none_verdict();
-  verdict.comparison.fit[0].noise_floor = std::nan("");
-  verdict.comparison.fit[0].variance_after = std::numeric_limits<double>::infinity();
+  verdict.evaluation.fit[0].noise_floor = std::nan("");
+  verdict.evaluation.fit[0].variance_after = std::numeric_limits<double>::infinity();
 
   const auto score = parsed(verdict)["fit"]["petrolia.csv"];
 
@@ -111,9 +111,9 @@ TEST(WriteDiagnosis, TellsTheInstantsOfAClockApart) {
   constexpr double kStart = 1.7e9;
   const test::TemporaryFolder folder;
   auto verdict = missing_verdict();
-  for (auto& trace : verdict.comparison.traces)
+  for (auto& trace : verdict.evaluation.traces)
     for (double& time : trace.time) time += kStart;
-  verdict.conclusion.where.record = verdict.comparison.traces[0].record;
+  verdict.conclusion.where.record = verdict.evaluation.traces[0].record;
   verdict.conclusion.where.intervals = {{kStart + 2.25, kStart + 2.75}};
 
   const auto files = write_diagnosis(verdict, folder.path());
@@ -123,7 +123,7 @@ TEST(WriteDiagnosis, TellsTheInstantsOfAClockApart) {
   const auto numbers = nlohmann::json::parse(test::content_of(files.numbers));
   EXPECT_EQ(numbers["where"]["intervals_s"][0][1], kStart + 2.75);
   const auto table = recording::Table::load(files.predictions[0]);
-  const auto &written = table.column("time [s]"), &time = verdict.comparison.traces[0].time;
+  const auto &written = table.column("time [s]"), &time = verdict.evaluation.traces[0].time;
   ASSERT_EQ(written.size(), time.size());
   for (std::size_t i = 0; i < time.size(); ++i) EXPECT_NEAR(written[i], time[i], 2e-3);
   const std::string page = verdict_page(verdict);
@@ -154,7 +154,7 @@ TEST(WriteDiagnosis, LeavesNoEmptyFolderOfAnEarlierDiagnosis) {
   folder.write("improved/case.toml", "");
   folder.write("predictions/mine.txt", "");
   auto verdict = none_verdict();
-  verdict.comparison.traces.clear();
+  verdict.evaluation.traces.clear();
 
   static_cast<void>(write_diagnosis(verdict, folder.path()));
 
@@ -165,7 +165,7 @@ TEST(WriteDiagnosis, LeavesNoEmptyFolderOfAnEarlierDiagnosis) {
 TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
   const test::TemporaryFolder folder;
   auto verdict = missing_verdict();
-  verdict.comparison.traces[1].record = "rig/northridge.csv";
+  verdict.evaluation.traces[1].record = "rig/northridge.csv";
 
   const auto files = write_diagnosis(verdict, folder.path());
 
@@ -176,7 +176,7 @@ TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
             std::string::npos);
   // The diagnosis reads its own tables.
   const auto table = recording::Table::load(files.predictions[0]);
-  const auto& trace = verdict.comparison.traces[0];
+  const auto& trace = verdict.evaluation.traces[0];
   const auto& measured = table.column("force.long measured [N]");
   const auto& after = table.column("force.long after [N]");
   const auto& residual = table.column("force.long residual [N]");
@@ -188,7 +188,7 @@ TEST(WriteDiagnosis, WritesATableOfPredictionsForEachRecord) {
   }
   EXPECT_EQ(table.column("force.long noise [N]")[5], trace.noise[5]);
 
-  verdict.comparison.traces.pop_back();
+  verdict.evaluation.traces.pop_back();
   EXPECT_EQ(write_diagnosis(verdict, folder.path()).predictions.size(), 1U);
   EXPECT_FALSE(std::filesystem::exists(files.predictions[1])) << "of an earlier diagnosis";
 }
@@ -197,8 +197,8 @@ TEST(WriteDiagnosis, CutsTheFileNamesOfLongRecords) {
   const test::TemporaryFolder folder;
   auto verdict = missing_verdict();
   std::string start(199, 'a');
-  verdict.comparison.traces[0].record = start + "ééé" + std::string(1000, 'b');
-  verdict.comparison.traces[1].record = start + "ééé" + std::string(1000, 'c');
+  verdict.evaluation.traces[0].record = start + "ééé" + std::string(1000, 'b');
+  verdict.evaluation.traces[1].record = start + "ééé" + std::string(1000, 'c');
 
   const auto files = write_diagnosis(verdict, folder.path());
 

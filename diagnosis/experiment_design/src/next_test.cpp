@@ -29,7 +29,8 @@ constexpr double kCertain = 100;        // [standard deviations]: larger separat
 double separation_of(double gain) { return std::min(kCertain, std::sqrt(2 * gain)); }
 
 // The named terms, with a rival in place of the candidate of one round.
-Hypothesis with_rival(const Investigation& found, std::size_t round, const Contender& rival) {
+Hypothesis with_rival(const RelationFindings& found, std::size_t round,
+                      const ScoredCandidate& rival) {
   const auto& rounds = found.selection.rounds;
   Hypothesis result = found.relation->base();
   for (std::size_t i = 0; i < rounds.size(); ++i) {
@@ -44,13 +45,13 @@ Hypothesis with_rival(const Investigation& found, std::size_t round, const Conte
   return result;
 }
 
-bool predicts_force(const Investigation& found) {
+bool predicts_force(const RelationFindings& found) {
   return found.relation->outputs()[0].first.starts_with("force.");
 }
 
 // Whether the laboratory can remove the specimen: a bearing, or an object on a platen with a mass
 // of its own.
-bool is_removable(const Investigation& found, bool is_bearing) {
+bool is_removable(const RelationFindings& found, bool is_bearing) {
   if (!predicts_force(found)) return false;
   const auto& terms = found.relation->base().terms;
   return is_bearing || std::any_of(terms.begin(), terms.end(), [](const ModelTerm& term) {
@@ -58,10 +59,10 @@ bool is_removable(const Investigation& found, bool is_bearing) {
          });
 }
 
-// Possible tests of an investigation, and its ties.
+// Possible tests of a relation, and its ties.
 class Proposal {
  public:
-  Proposal(const Investigation& found, bool is_bearing)
+  Proposal(const RelationFindings& found, bool is_bearing)
       : found_{found}, tests_{*found.problem, is_removable(found, is_bearing)} {}
 
   // @returns whether some test separates at least one alternative
@@ -191,7 +192,7 @@ class Proposal {
 
   // Name of a candidate, with its channel where another of the tie has the same name.
   static std::string name_of(const Candidate& candidate, const SelectionRound& round) {
-    const auto is_like_it = [&](const Contender& other) {
+    const auto is_like_it = [&](const ScoredCandidate& other) {
       return other.candidate.name == candidate.name && other.candidate.channel != candidate.channel;
     };
     const bool is_double =
@@ -209,11 +210,11 @@ class Proposal {
         next.motion.channels.emplace_back(channel.role, channel.values);
   }
 
-  const Investigation& found_;
+  const RelationFindings& found_;
   Tests tests_;
 };
 
-void separate_ties(const Investigation& found, bool is_bearing, NextTest& next) {
+void separate_ties(const RelationFindings& found, bool is_bearing, NextTest& next) {
   std::unique_ptr<Proposal> proposal;
   for (std::size_t i = 0; i < found.selection.rounds.size(); ++i) {
     const SelectionRound& round = found.selection.rounds[i];
@@ -225,7 +226,7 @@ void separate_ties(const Investigation& found, bool is_bearing, NextTest& next) 
 }
 
 // Unrecorded channels that a relation of motion and force can use.
-std::string unrecorded(const Investigation& found) {
+std::string unrecorded(const RelationFindings& found) {
   const Record& record = found.problem->record(0);
   std::string roles;
   if (!predicts_force(found)) return roles;
@@ -237,7 +238,7 @@ std::string unrecorded(const Investigation& found) {
 }
 
 // Of several unknown relations, the verdict shows the last.
-void cover_unknown(const std::vector<std::unique_ptr<Investigation>>& all, bool is_bearing,
+void cover_unknown(const std::vector<std::unique_ptr<RelationFindings>>& all, bool is_bearing,
                    NextTest& next) {
   const auto found = std::find_if(all.rbegin(), all.rend(), [](const auto& one) {
     return one->is_unknown() && !one->descriptions.empty() &&
@@ -251,7 +252,7 @@ void cover_unknown(const std::vector<std::unique_ptr<Investigation>>& all, bool 
 
 }  // namespace
 
-NextTest next_test(const std::vector<std::unique_ptr<Investigation>>& all, bool is_bearing,
+NextTest next_test(const std::vector<std::unique_ptr<RelationFindings>>& all, bool is_bearing,
                    bool is_unknown) {
   NextTest next;
   if (is_unknown) cover_unknown(all, is_bearing, next);

@@ -52,11 +52,11 @@ VectorXd scales(const Hypothesis& hypothesis) {
 }
 
 // One Gauss-Newton step on both folds, because a rival was fitted to one fold only.
-Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows) {
+Hypothesis settled(const RelationFindings& found, Hypothesis hypothesis, Rows& rows) {
   const Fold& both = found.folds.both;
-  Supposition supposition{*found.problem, std::move(hypothesis)};
-  Hypothesis result = supposition.hypothesis();
-  if (!supposition.evaluate(both, result.values, all(result), rows.residual, rows.jacobian))
+  TestedHypothesis tested{*found.problem, std::move(hypothesis)};
+  Hypothesis result = tested.hypothesis();
+  if (!tested.evaluate(both, result.values, all(result), rows.residual, rows.jacobian))
     return result;
   const VectorXd scale = scales(result);
   rows.jacobian *= scale.asDiagonal();
@@ -71,7 +71,7 @@ Hypothesis settled(const Investigation& found, Hypothesis hypothesis, Rows& rows
   }
   VectorXd residual;
   MatrixXd none;
-  if (supposition.evaluate(both, values, {}, residual, none) &&
+  if (tested.evaluate(both, values, {}, residual, none) &&
       residual.squaredNorm() < rows.residual.squaredNorm()) {
     rows.residual = residual;
     result.values = values;
@@ -125,13 +125,13 @@ std::vector<const Record*> records_of(const std::vector<Design>& designs) {
 Tests::Tests(const Problem& like, bool is_removable)
     : designs{designs_for(like, is_removable)}, problem{like, records_of(designs)} {}
 
-Side::Side(const Investigation& found, const Tests& tests, Hypothesis hypothesis)
+Side::Side(const RelationFindings& found, const Tests& tests, Hypothesis hypothesis)
     : hypothesis_{settled(found, std::move(hypothesis), records_)},
       tests_{&tests},
       whole_{tests.problem, hypothesis_},
       empty_{tests.problem, has_empty(tests) ? machine_of(hypothesis_) : hypothesis_} {}
 
-const Supposition& Side::on(std::size_t test) const {
+const TestedHypothesis& Side::on(std::size_t test) const {
   return tests_->designs[test].is_empty ? empty_ : whole_;
 }
 

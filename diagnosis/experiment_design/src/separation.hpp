@@ -3,7 +3,7 @@
 
 #include <map>
 
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 
 #include "designs.hpp"
 
@@ -24,12 +24,12 @@ struct Rows {
   Eigen::MatrixXd jacobian;
 };
 
-/// A hypothesis that is tied with another: fitted to the records of an investigation, with its
+/// A hypothesis that is tied with another: fitted to the records of a relation, with its
 /// predictions of proposed tests.
 class Side {
  public:
   /// @param tests  must outlive this object
-  Side(const Investigation& found, const Tests& tests, Hypothesis hypothesis);
+  Side(const RelationFindings& found, const Tests& tests, Hypothesis hypothesis);
 
   [[nodiscard]] const Rows& records() const { return records_; }
   /// Whitened residual of a test; empty if there is no prediction.
@@ -37,12 +37,12 @@ class Side {
   [[nodiscard]] const Eigen::MatrixXd& jacobian(std::size_t test);
 
  private:
-  [[nodiscard]] const Supposition& on(std::size_t test) const;
+  [[nodiscard]] const TestedHypothesis& on(std::size_t test) const;
 
   Rows records_;
   Hypothesis hypothesis_;
   const Tests* tests_;
-  Supposition whole_, empty_;  ///< with the specimen and without it
+  TestedHypothesis whole_, empty_;  ///< with the specimen and without it
   std::map<std::size_t, Eigen::VectorXd> residuals_;
   std::map<std::size_t, Eigen::MatrixXd> jacobians_;
 };

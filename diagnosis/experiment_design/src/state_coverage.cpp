@@ -52,7 +52,7 @@ class States {
         displacement_{drive_.displacement},
         velocity_{drive_.velocity} {
     if (!are_outputs) return;
-    displacement_ = Supposition{problem, named}.prediction(record);
+    displacement_ = TestedHypothesis{problem, named}.prediction(record);
     for (Index i = 0; i < displacement_.cols(); ++i)
       velocity_.col(i) = rate_of(displacement_.col(i), drive_.time_step);
   }

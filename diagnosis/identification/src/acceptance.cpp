@@ -17,34 +17,37 @@ bool is_beneficial(const std::vector<double>& differences, double least, std::ui
   return low > 0 || (gain > kLeastGainOfAnEvent && low > -0.01 * gain);
 }
 
-bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed) {
-  return is_beneficial(contender.differences, accepted, seed);
+bool is_acceptable(const ScoredCandidate& scored, double accepted, std::uint64_t seed) {
+  return is_beneficial(scored.differences, accepted, seed);
 }
 
-std::vector<Contender> held_back(std::vector<Contender>& contenders, const Candidate* holder,
-                                 double accepted, std::uint64_t seed) {
-  const auto waits = [&](const Contender& contender) {
-    if (holder != nullptr && is_same(contender.candidate, *holder)) return false;
-    const auto& after = contender.candidate.after;
-    return std::any_of(contenders.begin(), contenders.end(), [&](const Contender& other) {
+std::vector<ScoredCandidate> held_back(std::vector<ScoredCandidate>& ranked,
+                                       const Candidate* holder, double accepted,
+                                       std::uint64_t seed) {
+  const auto waits = [&](const ScoredCandidate& scored) {
+    if (holder != nullptr && is_same(scored.candidate, *holder)) return false;
+    const auto& after = scored.candidate.after;
+    return std::any_of(ranked.begin(), ranked.end(), [&](const ScoredCandidate& other) {
       return std::find(after.begin(), after.end(), other.candidate.name) != after.end() &&
              is_acceptable(other, accepted, seed);
     });
   };
   std::vector<bool> is_waiting;
-  for (const auto& contender : contenders) is_waiting.push_back(waits(contender));
-  std::vector<Contender> free, waiting;
-  for (std::size_t i = 0; i < contenders.size(); ++i)
-    (is_waiting[i] ? waiting : free).push_back(std::move(contenders[i]));
-  contenders = std::move(free);
+  for (const auto& scored : ranked) is_waiting.push_back(waits(scored));
+  std::vector<ScoredCandidate> free, waiting;
+  for (std::size_t i = 0; i < ranked.size(); ++i)
+    (is_waiting[i] ? waiting : free).push_back(std::move(ranked[i]));
+  ranked = std::move(free);
   return waiting;
 }
 
 namespace {
 
-// One effect may contend on all axes and on each of them. The better ones stand for the others.
+// One effect may be a candidate on all axes and on each of them. The better ones stand for the
+// others.
 void join_axes(SelectionRound& round) {
-  const auto join = [](Contender& winner, std::vector<Contender>& list, std::size_t from) {
+  const auto join = [](ScoredCandidate& winner, std::vector<ScoredCandidate>& list,
+                       std::size_t from) {
     for (std::size_t i = from; i < list.size();) {
       if (!is_same(list[i].candidate, winner.candidate)) {
         ++i;
@@ -65,27 +68,26 @@ void join_axes(SelectionRound& round) {
 
 }  // namespace
 
-SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed) {
-  const Contender& best = contenders[0];
-  std::vector<bool> ties(contenders.size(), true);
+SelectionRound chosen(std::vector<ScoredCandidate> ranked, std::uint64_t seed) {
+  const ScoredCandidate& best = ranked[0];
+  std::vector<bool> ties(ranked.size(), true);
   std::size_t cheapest = 0;
-  for (std::size_t i = 1; i < contenders.size(); ++i) {
-    const auto lead = minus(best.differences, contenders[i].differences);
+  for (std::size_t i = 1; i < ranked.size(); ++i) {
+    const auto lead = minus(best.differences, ranked[i].differences);
     const bool is_significant = quantile(resampled_sums(lead, seed), 0.05) > 0;
-    ties[i] = !is_significant || best.gain - contenders[i].gain < kTieShare * best.gain;
-    if (ties[i] && contenders[i].candidate.price < contenders[cheapest].candidate.price)
-      cheapest = i;
+    ties[i] = !is_significant || best.gain - ranked[i].gain < kTieShare * best.gain;
+    if (ties[i] && ranked[i].candidate.price < ranked[cheapest].candidate.price) cheapest = i;
   }
   SelectionRound round;
-  round.chosen = std::move(contenders[cheapest]);
-  for (std::size_t i = 0; i < contenders.size(); ++i) {
+  round.chosen = std::move(ranked[cheapest]);
+  for (std::size_t i = 0; i < ranked.size(); ++i) {
     if (i == cheapest) continue;
     // A candidate that contains the chosen one adds an effect that does not show: no alternative.
-    const auto& contained = contenders[i].candidate.contains;
+    const auto& contained = ranked[i].candidate.contains;
     const bool is_more = ties[i] && std::find(contained.begin(), contained.end(),
                                               round.chosen.candidate.name) != contained.end();
-    if (is_more) round.chosen.confidence += contenders[i].confidence;
-    (ties[i] && !is_more ? round.tied : round.others).push_back(std::move(contenders[i]));
+    if (is_more) round.chosen.confidence += ranked[i].confidence;
+    (ties[i] && !is_more ? round.tied : round.others).push_back(std::move(ranked[i]));
   }
   join_axes(round);
   return round;

@@ -11,16 +11,17 @@ namespace rths::diagnosis {
                                  std::uint64_t seed);
 
 /// Returns true if a candidate gains more than `accepted` [nat], and gains in resampled records.
-[[nodiscard]] bool is_acceptable(const Contender& contender, double accepted, std::uint64_t seed);
+[[nodiscard]] bool is_acceptable(const ScoredCandidate& scored, double accepted,
+                                 std::uint64_t seed);
 
 /// Removes and returns candidates that must wait for another acceptable one, see Candidate::after.
 /// @param holder  one that has waited already; may be null
-[[nodiscard]] std::vector<Contender> held_back(std::vector<Contender>& contenders,
-                                               const Candidate* holder, double accepted,
-                                               std::uint64_t seed);
+[[nodiscard]] std::vector<ScoredCandidate> held_back(std::vector<ScoredCandidate>& ranked,
+                                                     const Candidate* holder, double accepted,
+                                                     std::uint64_t seed);
 
 /// Chooses the cheapest of the candidates that are not significantly worse than the best.
-/// @param contenders  at least one, best first
-[[nodiscard]] SelectionRound chosen(std::vector<Contender> contenders, std::uint64_t seed);
+/// @param ranked  at least one, best first
+[[nodiscard]] SelectionRound chosen(std::vector<ScoredCandidate> ranked, std::uint64_t seed);
 
 }  // namespace rths::diagnosis

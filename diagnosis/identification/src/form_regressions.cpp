@@ -129,12 +129,10 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
 // Residual of a hypothesis on a fold, its derivatives, and the ranges of the recorded states.
 class ResidualView {
  public:
-  ResidualView(const Supposition& supposition, const Fold& fold)
-      : supposition_{supposition}, fold_{fold} {
-    const std::vector<Index> all = all_of(supposition.hypothesis());
-    static_cast<void>(
-        supposition.evaluate(fold, supposition.hypothesis().values, all, residual_, jacobian_));
-    const Problem& problem = supposition.problem();
+  ResidualView(const TestedHypothesis& tested, const Fold& fold) : tested_{tested}, fold_{fold} {
+    const std::vector<Index> all = all_of(tested.hypothesis());
+    static_cast<void>(tested.evaluate(fold, tested.hypothesis().values, all, residual_, jacobian_));
+    const Problem& problem = tested.problem();
     for (std::size_t i = 0; i < problem.records(); ++i) {
       const Drive& drive = problem.drive(i);
       if (drive.displacement.size() == 0) continue;
@@ -177,7 +175,7 @@ class ResidualView {
   // Rows of one output: residual, derivatives of the fitted parameters, whitened columns of a form.
   void of_output(Index output, const Form& form, VectorXd& residual, MatrixXd& nuisance,
                  MatrixXd& columns) const {
-    const Problem& problem = supposition_.problem();
+    const Problem& problem = tested_.problem();
     std::vector<Index> rows;
     Index first = 0;
     std::vector<MatrixXd> designs;
@@ -217,7 +215,7 @@ class ResidualView {
   }
 
   [[nodiscard]] MatrixXd white(const Fold::Share& share, Index output, const Form& form) const {
-    const Problem& problem = supposition_.problem();
+    const Problem& problem = tested_.problem();
     const Drive& drive = problem.drive(share.record);
     const Index other = drive.measured.cols() > 1 ? 1 - output : output;
     Signals signals{drive.displacement.col(output) / u_,
@@ -241,7 +239,7 @@ class ResidualView {
     return result;
   }
 
-  const Supposition& supposition_;
+  const TestedHypothesis& tested_;
   const Fold& fold_;
   VectorXd residual_;
   MatrixXd jacobian_;
@@ -313,11 +311,11 @@ Description curve_of(const Form& form, const Regression& best, const ResidualVie
 
 }  // namespace
 
-void regress_forms(const Supposition& supposition, const Folds& folds,
+void regress_forms(const TestedHypothesis& tested, const Folds& folds,
                    std::vector<Description>& found) {
-  const double excess = excess_on(supposition, folds.second);
-  const ResidualView first{supposition, folds.first}, second{supposition, folds.second};
-  const Index outputs = supposition.problem().drive(0).measured.cols();
+  const double excess = excess_on(tested, folds.second);
+  const ResidualView first{tested, folds.first}, second{tested, folds.second};
+  const Index outputs = tested.problem().drive(0).measured.cols();
   for (const auto& form : forms(outputs > 1, first.load().varies(), first.control().varies())) {
     double gain = 0;
     Regression best;

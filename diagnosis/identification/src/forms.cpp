@@ -9,9 +9,8 @@
 
 namespace rths::diagnosis {
 
-double excess_on(const Supposition& supposition, const Fold& fold) {
-  return observations(supposition.problem(), fold) *
-         std::max(kLeastExcess, supposition.variance(fold) - 1);
+double excess_on(const TestedHypothesis& tested, const Fold& fold) {
+  return observations(tested.problem(), fold) * std::max(kLeastExcess, tested.variance(fold) - 1);
 }
 
 namespace {
@@ -27,20 +26,20 @@ bool share_a_record(const Folds& folds) {
 
 }  // namespace
 
-std::vector<Description> describe(const Supposition& supposition, const Folds& folds) {
+std::vector<Description> describe(const TestedHypothesis& tested, const Folds& folds) {
   std::vector<Description> found;
-  const Problem& problem = supposition.problem();
+  const Problem& problem = tested.problem();
   const bool has_states = problem.drive(0).displacement.size() > 0;
-  const auto free_forms = problem.relation().forms(supposition.hypothesis());
+  const auto free_forms = problem.relation().forms(tested.hypothesis());
   if (!free_forms.empty())
-    fit_forms(supposition, folds, free_forms, found);
+    fit_forms(tested, folds, free_forms, found);
   else if (has_states && !problem.relation().runs_freely())
-    regress_forms(supposition, folds, found);
+    regress_forms(tested, folds, found);
   if (has_states) {
-    find_periodic_force(supposition, folds, found);
-    find_held_samples(supposition, folds, found);
+    find_periodic_force(tested, folds, found);
+    find_held_samples(tested, folds, found);
   }
-  find_change(supposition, folds, found);
+  find_change(tested, folds, found);
   for (auto& one : found) one.is_of_pieces = share_a_record(folds);
   // A surface contains every curve over one of its arguments, so it must explain more than the
   // curve.

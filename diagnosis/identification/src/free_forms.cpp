@@ -32,7 +32,8 @@ VectorXd ridge_of(const Problem& problem, const Fold& fold, const Hypothesis& hy
     if (hypothesis.free[static_cast<std::size_t>(i)].absent) sizes.push_back(i);
   VectorXd residual;
   MatrixXd columns;
-  if (!Supposition{problem, hypothesis}.evaluate(fold, hypothesis.values, sizes, residual, columns))
+  if (!TestedHypothesis{problem, hypothesis}.evaluate(fold, hypothesis.values, sizes, residual,
+                                                      columns))
     return ridge;
   double mean = 0;
   for (std::size_t k = 0; k < sizes.size(); ++k)
@@ -48,15 +49,15 @@ VectorXd ridge_of(const Problem& problem, const Fold& fold, const Hypothesis& hy
 std::optional<Fit> fit_of(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
                           int iterations) {
   try {
-    return Supposition{problem, hypothesis}.fit(fold, iterations,
-                                                ridge_of(problem, fold, hypothesis));
+    return TestedHypothesis{problem, hypothesis}.fit(fold, iterations,
+                                                     ridge_of(problem, fold, hypothesis));
   } catch (const Error&) {  // no prediction
     return std::nullopt;
   }
 }
 
 // The model with a free form, fitted to a fold: the best of short fits from several starts goes on.
-std::optional<Hypothesis> with_form(const Supposition& base, const Screened& screened,
+std::optional<Hypothesis> with_form(const TestedHypothesis& base, const Screened& screened,
                                     const Fold& fold) {
   std::optional<Hypothesis> best;
   double least = 0;
@@ -88,11 +89,11 @@ Description described_by(const FreeForm& form, const Problem& problem, const Fol
 
 }  // namespace
 
-void fit_forms(const Supposition& supposition, const Folds& folds,
+void fit_forms(const TestedHypothesis& tested, const Folds& folds,
                const std::vector<FreeForm>& forms, std::vector<Description>& found) {
-  const Problem& problem = supposition.problem();
-  const Supposition base{problem,
-                         fitted(problem, supposition.hypothesis(), folds.first, kShortFit)};
+  const Problem& problem = tested.problem();
+  const TestedHypothesis base{problem,
+                              fitted(problem, tested.hypothesis(), folds.first, kShortFit)};
   const double excess = excess_on(base, folds.second);
   std::vector<Candidate> terms;
   for (const auto& form : forms) terms.push_back(form.term);
@@ -101,7 +102,7 @@ void fit_forms(const Supposition& supposition, const Folds& folds,
     const FreeForm& form = forms[static_cast<std::size_t>(screened[i].candidate - terms.data())];
     const auto with = with_form(base, screened[i], folds.first);
     if (!with) continue;
-    const auto after = Supposition{problem, *with}.blocks(folds.second);
+    const auto after = TestedHypothesis{problem, *with}.blocks(folds.second);
     if (after.empty()) continue;  // no prediction
     const double gain = 2 * (sum(base.blocks(folds.second)) - sum(after));
     found.push_back(described_by(form, problem, folds.first, *with, gain / excess));

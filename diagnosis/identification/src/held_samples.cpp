@@ -116,14 +116,14 @@ double energy_in(const std::vector<Hold>& holds, const VectorXd& residual,
 
 }  // namespace
 
-void find_held_samples(const Supposition& supposition, const Folds& folds,
+void find_held_samples(const TestedHypothesis& tested, const Folds& folds,
                        std::vector<Description>& found) {
-  const Problem& problem = supposition.problem();
+  const Problem& problem = tested.problem();
   double energy = 0;
   for (const auto& share : folds.both.shares) {
     const Drive& drive = problem.drive(share.record);
     const ResidualNoise& noise = problem.noise(share.record);
-    const MatrixXd predictions = supposition.prediction(share.record);
+    const MatrixXd predictions = tested.prediction(share.record);
     const auto rows = static_cast<double>(drive.rows());
     const double lengths = std::min(kLongestHold * rows, static_cast<double>(kMostHoldRows));
     const double price = std::log(rows * lengths);  // of one of all possible holds
@@ -138,7 +138,7 @@ void find_held_samples(const Supposition& supposition, const Folds& folds,
           energy_in(holds, residual, noise, output) - 2 * price * static_cast<double>(holds.size());
     }
   }
-  const double part = std::min(1.0, energy / excess_on(supposition, folds.both));
+  const double part = std::min(1.0, energy / excess_on(tested, folds.both));
   found.push_back({"held samples", part, "", {}, {}, {}, Description::Over::Records});
 }
 

@@ -44,8 +44,8 @@ struct Minimum {
 
   Minimum(const Problem& problem, const Fold& fold, const Hypothesis& hypothesis) {
     const std::vector<Index> all = all_of(hypothesis);
-    const Supposition supposition{problem, hypothesis};
-    if (all.empty() || !supposition.evaluate(fold, hypothesis.values, all, residual, jacobian)) {
+    const TestedHypothesis tested{problem, hypothesis};
+    if (all.empty() || !tested.evaluate(fold, hypothesis.values, all, residual, jacobian)) {
       jacobian.resize(0, 0);
       return;
     }

@@ -23,23 +23,23 @@ bool compares_sensors(const Relation& relation) {
 }  // namespace
 
 bool ModelComparison::predicts(const Hypothesis& model) const {
-  const Supposition supposition{problem_, model};
+  const TestedHypothesis tested{problem_, model};
   for (std::size_t i = 0; i < problem_.records(); ++i)
-    if (supposition.prediction(i).size() == 0) return false;
+    if (tested.prediction(i).size() == 0) return false;
   return true;
 }
 
 double ModelComparison::variance(const Hypothesis& model) const {
-  return Supposition{problem_, model}.variance(folds_.second);
+  return TestedHypothesis{problem_, model}.variance(folds_.second);
 }
 
 bool ModelComparison::is_noise(const Hypothesis& model) const {
-  const Supposition supposition{problem_, model};
+  const TestedHypothesis tested{problem_, model};
   const double n = observations(problem_, folds_.second);
-  if (!(supposition.variance(folds_.second) < kNoiseVariance + 2 * std::sqrt(2 / n))) return false;
+  if (!(tested.variance(folds_.second) < kNoiseVariance + 2 * std::sqrt(2 / n))) return false;
   const auto& shares = folds_.second.shares;
   return std::all_of(shares.begin(), shares.end(), [&](const Fold::Share& share) {
-    return whiteness_of(supposition, share.record).is_white;
+    return whiteness_of(tested, share.record).is_white;
   });
 }
 

@@ -39,9 +39,9 @@ void finish(Problem& problem, const Folds& folds, Selection& selection) {
   selection.ruled = with_rounds(selection.base, selection.rounds, is_rule, selection.named);
   if (std::any_of(selection.rounds.begin(), selection.rounds.end(), is_rule))
     selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
-  selection.variance_base = Supposition{problem, selection.base}.variance(folds.both);
-  selection.variance_ruled = Supposition{problem, selection.ruled}.variance(folds.both);
-  selection.variance_named = Supposition{problem, selection.named}.variance(folds.both);
+  selection.variance_base = TestedHypothesis{problem, selection.base}.variance(folds.both);
+  selection.variance_ruled = TestedHypothesis{problem, selection.ruled}.variance(folds.both);
+  selection.variance_named = TestedHypothesis{problem, selection.named}.variance(folds.both);
 }
 
 }  // namespace rths::diagnosis

@@ -29,10 +29,10 @@ struct Rows {
   ArrayXd weight;
   MatrixXd residual;
 
-  Rows(const Supposition& supposition, const Fold::Share& share)
-      : noise{supposition.problem().noise(share.record)},
-        time_step{supposition.problem().drive(share.record).time_step},
-        residual{supposition.whitened(share.record)} {
+  Rows(const TestedHypothesis& tested, const Fold::Share& share)
+      : noise{tested.problem().noise(share.record)},
+        time_step{tested.problem().drive(share.record).time_step},
+        residual{tested.whitened(share.record)} {
     weight = share.weight.size() > 0 ? share.weight : ArrayXd::Ones(residual.rows());
     residual.array().colwise() *= weight;
   }
@@ -50,9 +50,9 @@ struct Rows {
   }
 };
 
-std::vector<Rows> rows_of(const Supposition& supposition, const Fold& fold) {
+std::vector<Rows> rows_of(const TestedHypothesis& tested, const Fold& fold) {
   std::vector<Rows> all;
-  for (const auto& share : fold.shares) all.emplace_back(supposition, share);
+  for (const auto& share : fold.shares) all.emplace_back(tested, share);
   return all;
 }
 
@@ -120,12 +120,12 @@ double refined(const std::vector<Rows>& all, double line) {
 
 }  // namespace
 
-void find_periodic_force(const Supposition& supposition, const Folds& folds,
+void find_periodic_force(const TestedHypothesis& tested, const Folds& folds,
                          std::vector<Description>& found) {
-  const auto first = rows_of(supposition, folds.first);
+  const auto first = rows_of(tested, folds.first);
   const double frequency = refined(first, highest_line(first));
-  const double share = continued(rows_of(supposition, folds.second), frequency) /
-                       excess_on(supposition, folds.second);
+  const double share =
+      continued(rows_of(tested, folds.second), frequency) / excess_on(tested, folds.second);
   // A force that acts at rest, too, is a part of the estimated noise.
   found.push_back({fmt::format("external periodic force at {:.2f} Hz", frequency),
                    std::min(1.0, share),

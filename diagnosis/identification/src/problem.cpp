@@ -136,7 +136,7 @@ std::optional<double> Problem::log_noise(const Hypothesis& hypothesis) const {
   return sum / static_cast<double>(records_.size());
 }
 
-Supposition::Supposition(const Problem& problem, Hypothesis hypothesis)
+TestedHypothesis::TestedHypothesis(const Problem& problem, Hypothesis hypothesis)
     : problem_{&problem}, hypothesis_{std::move(hypothesis)} {
   for (std::size_t i = 0; i < hypothesis_.free.size(); ++i) {
     double& value = hypothesis_.values[static_cast<Index>(i)];
@@ -146,23 +146,23 @@ Supposition::Supposition(const Problem& problem, Hypothesis hypothesis)
     simulators_.push_back(problem.relation().simulator(hypothesis_, problem.drive(i)));
 }
 
-Supposition::Supposition(const Supposition& like, Hypothesis hypothesis)
-    : Supposition{like.problem(), std::move(hypothesis)} {
+TestedHypothesis::TestedHypothesis(const TestedHypothesis& like, Hypothesis hypothesis)
+    : TestedHypothesis{like.problem(), std::move(hypothesis)} {
   for (std::size_t i = 0; i < simulators_.size(); ++i) simulators_[i]->share(*like.simulators_[i]);
 }
 
-void Supposition::keep(const Fold& fold) {
+void TestedHypothesis::keep(const Fold& fold) {
   for (const auto& share : fold.shares) simulators_[share.record]->keep(hypothesis_.values);
 }
 
-MatrixXd Supposition::prediction(std::size_t record) const {
+MatrixXd TestedHypothesis::prediction(std::size_t record) const {
   MatrixXd result;
   std::vector<MatrixXd> none;
   if (!simulators_[record]->run(hypothesis_.values, {}, result, none)) return {};
   return result;
 }
 
-MatrixXd Supposition::whitened(std::size_t record) const {
+MatrixXd TestedHypothesis::whitened(std::size_t record) const {
   const Drive& drive = problem_->drive(record);
   VectorXd residual;
   MatrixXd none;
@@ -171,9 +171,9 @@ MatrixXd Supposition::whitened(std::size_t record) const {
   return Eigen::Map<const MatrixXd>(residual.data(), drive.rows(), drive.measured.cols());
 }
 
-bool Supposition::stack(const Fold::Share& share, const VectorXd& values,
-                        const std::vector<Index>& wanted, Index first, VectorXd& residual,
-                        MatrixXd& jacobian) const {
+bool TestedHypothesis::stack(const Fold::Share& share, const VectorXd& values,
+                             const std::vector<Index>& wanted, Index first, VectorXd& residual,
+                             MatrixXd& jacobian) const {
   const Drive& drive = problem_->drive(share.record);
   const ResidualNoise& noise = problem_->noise(share.record);
   MatrixXd prediction;
@@ -201,9 +201,9 @@ bool Supposition::stack(const Fold::Share& share, const VectorXd& values,
   return true;
 }
 
-bool Supposition::evaluate(const Fold& fold, const VectorXd& values,
-                           const std::vector<Index>& wanted, VectorXd& residual,
-                           MatrixXd& jacobian) const {
+bool TestedHypothesis::evaluate(const Fold& fold, const VectorXd& values,
+                                const std::vector<Index>& wanted, VectorXd& residual,
+                                MatrixXd& jacobian) const {
   stop_if_interrupted();
   Index size = 0;
   for (const auto& share : fold.shares) {
@@ -220,7 +220,7 @@ bool Supposition::evaluate(const Fold& fold, const VectorXd& values,
   return residual.allFinite() && jacobian.allFinite();
 }
 
-Fit Supposition::fit(const Fold& fold, int most_iterations, const VectorXd& ridge) const {
+Fit TestedHypothesis::fit(const Fold& fold, int most_iterations, const VectorXd& ridge) const {
   FitProblem least;
   const auto all = all_of(hypothesis_);
   const auto count = static_cast<Index>(all.size());
@@ -289,14 +289,14 @@ std::vector<double> block_sums(const Problem& problem, const Fold& fold, const V
 
 }  // namespace
 
-std::vector<double> Supposition::blocks(const Fold& fold) const {
+std::vector<double> TestedHypothesis::blocks(const Fold& fold) const {
   VectorXd residual;
   MatrixXd none;
   if (!evaluate(fold, hypothesis_.values, {}, residual, none)) return {};
   return block_sums(*problem_, fold, residual);
 }
 
-std::vector<double> Supposition::noise_blocks(const Fold& fold) const {
+std::vector<double> TestedHypothesis::noise_blocks(const Fold& fold) const {
   std::vector<double> sums;
   for (const auto& share : fold.shares) {
     const auto draws = problem_->draws_at(hypothesis_, share.record);
@@ -314,7 +314,7 @@ std::vector<double> Supposition::noise_blocks(const Fold& fold) const {
   return sums;
 }
 
-double Supposition::variance(const Fold& fold) const {
+double TestedHypothesis::variance(const Fold& fold) const {
   double sum = 0;
   for (const double block : blocks(fold)) sum += 2 * block;
   return sum / observations(*problem_, fold);

@@ -24,7 +24,7 @@ ArrayXd energy_about_mean(const Drive& drive, const MatrixXd& signal) {
 
 }  // namespace
 
-Zeros zeros_of(const Supposition& named) {
+Zeros zeros_of(const TestedHypothesis& named) {
   const Problem& problem = named.problem();
   Zeros zeros(problem.records());
   for (std::size_t i = 0; i < zeros.size(); ++i) {
@@ -36,9 +36,9 @@ Zeros zeros_of(const Supposition& named) {
   return zeros;
 }
 
-double nrmse(const Supposition& supposition, std::size_t record, const Zeros& zeros) {
-  const MatrixXd prediction = supposition.prediction(record);
-  const Problem& problem = supposition.problem();
+double nrmse(const TestedHypothesis& tested, std::size_t record, const Zeros& zeros) {
+  const MatrixXd prediction = tested.prediction(record);
+  const Problem& problem = tested.problem();
   const Drive& drive = problem.drive(record);
   if (prediction.size() == 0) return std::nan("");
   MatrixXd error = drive.compared_rows(drive.measured - prediction);
@@ -59,8 +59,8 @@ double nrmse_of_noise(const Problem& problem, std::size_t record) {
 
 namespace {
 
-RecordScore score_of(const Supposition& before, const Supposition& after, const Zeros& zeros,
-                     std::size_t record) {
+RecordScore score_of(const TestedHypothesis& before, const TestedHypothesis& after,
+                     const Zeros& zeros, std::size_t record) {
   const Problem& problem = after.problem();
   const Fold fold = compared(problem, {record});
   RecordScore score;
@@ -78,7 +78,7 @@ RecordScore score_of(const Supposition& before, const Supposition& after, const 
 
 std::vector<RecordScore> scores_of(const Problem& problem, const Selection& selection,
                                    bool is_proof) {
-  const Supposition before{problem, selection.base}, after{problem, selection.named};
+  const TestedHypothesis before{problem, selection.base}, after{problem, selection.named};
   const Zeros zeros = zeros_of(after);
   std::vector<RecordScore> scores;
   for (std::size_t i = 0; i < problem.records(); ++i) {
@@ -90,7 +90,7 @@ std::vector<RecordScore> scores_of(const Problem& problem, const Selection& sele
   return scores;
 }
 
-Whiteness whiteness_of(const Supposition& named, std::size_t record) {
+Whiteness whiteness_of(const TestedHypothesis& named, std::size_t record) {
   const MatrixXd white = named.whitened(record);
   const ArrayXd weight = named.problem().drive(record).compared();
   VectorXd correlation = VectorXd::Zero(kLags);
@@ -122,7 +122,7 @@ Proof proof_of(const Problem& problem, const Selection& selection, bool is_held_
   const bool one_unit = have_one_unit(problem.relation());
   double all = 0;
   for (std::size_t i = 0; i < problem.records(); ++i) {
-    proof.whiteness = whiteness_of(Supposition{problem, selection.named}, i);
+    proof.whiteness = whiteness_of(TestedHypothesis{problem, selection.named}, i);
     proof.is_white = proof.is_white && proof.whiteness.is_white;
     const Drive& drive = problem.drive(i);
     const double weight = one_unit ? energy_about_mean(drive, drive.measured).sum() : 1;

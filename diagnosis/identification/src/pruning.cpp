@@ -190,9 +190,9 @@ class Pruning {
                                            const Hypothesis& hypothesis) const {
     std::vector<double> all;
     const Zeros zeros = zeros_of({problem, selection_.named});
-    const Supposition supposition{problem, hypothesis};
+    const TestedHypothesis tested{problem, hypothesis};
     for (std::size_t i = 0; i < problem.records(); ++i) {
-      const double error = nrmse(supposition, i, zeros);
+      const double error = nrmse(tested, i, zeros);
       all.push_back(std::isfinite(error) ? error * error : 1e300);
     }
     return all;
@@ -231,7 +231,7 @@ std::optional<Withdrawn> withdraw_for_form(Problem& problem, const Folds& folds,
   const double of_form = forms[0].share * rest;
   for (std::size_t i = selection.rounds.size(); i-- > 0;) {
     if (is_needed(selection, i)) continue;
-    const Supposition bare{problem, without(problem, folds, selection, i)};
+    const TestedHypothesis bare{problem, without(problem, folds, selection, i)};
     const double bare_rest = excess_on(bare, folds.second), explained = bare_rest - rest;
     if (explained > of_form) continue;
     const double of_form_alone = share_of(forms[0].form, describe(bare, folds)) * bare_rest;

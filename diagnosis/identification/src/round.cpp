@@ -18,7 +18,7 @@ double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
 
 // Σ w² over a fold.
 double energy_of(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
-  return Supposition{problem, hypothesis}.variance(fold) * observations(problem, fold);
+  return TestedHypothesis{problem, hypothesis}.variance(fold) * observations(problem, fold);
 }
 
 // A candidate in the place of the holder: all parameters have the values of the whole model, and
@@ -37,7 +37,7 @@ Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::V
 
 // Of an effect on one axis, only what explains nearly as much as the effect on all axes, and is
 // among the best, is fitted.
-std::vector<Screened> screened_by(const Supposition& base, const Fold& fold,
+std::vector<Screened> screened_by(const TestedHypothesis& base, const Fold& fold,
                                   const std::vector<Candidate>& candidates) {
   auto screened = screen(base, fold, candidates);
   const double best = screened.empty() ? 0 : screened[0].gain;
@@ -86,7 +86,7 @@ void Round::compare(double base, std::vector<ShortFit> fits) {
   keep_best(base, fits);
   problem_.progress().begin_step("full fits", fits.size());
   for (auto& fit : fits) finish(fit);
-  if (!contenders_.empty()) best_fit_ = contenders_[0];
+  if (!ranked_.empty()) best_fit_ = ranked_[0];
   sort();
   allow_for_noise();
   reverse();
@@ -96,7 +96,7 @@ void Round::compare(double base, std::vector<ShortFit> fits) {
 // Screening is linear, effects are not. A few iterations show which candidates deserve a full fit.
 void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candidates, double base,
                      std::vector<ShortFit>& fits) const {
-  const auto screened = screened_by(Supposition{problem_, from}, folds_.first, candidates);
+  const auto screened = screened_by(TestedHypothesis{problem_, from}, folds_.first, candidates);
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
   for (std::size_t i = 0; i < std::min(screened.size(), effort_.tried); ++i) {
@@ -113,7 +113,7 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
 // its special cases, which may have failed from far away.
 void Round::try_rivals(const Defended& term, const std::vector<Candidate>& candidates, double base,
                        std::vector<ShortFit>& fits) const {
-  auto screened = screened_by(Supposition{problem_, base_}, folds_.first, candidates);
+  auto screened = screened_by(TestedHypothesis{problem_, base_}, folds_.first, candidates);
   const double best = screened.empty() ? 0 : screened[0].gain;
   const auto comes_first = [&](const Screened& one) {
     return is_same(*one.candidate, term.holder) ||
@@ -160,31 +160,33 @@ void Round::keep_best(double base, std::vector<ShortFit>& fits) const {
 }
 
 void Round::finish(ShortFit& fit) {
-  Contender contender{*fit.candidate, {}, 0, {}, 0, 0, 0};
-  contender.fitted = fitted(problem_, fit.hypothesis, folds_.first, kLongFit - effort_.short_fit);
-  score(contender);
-  contenders_.push_back(std::move(contender));
+  ScoredCandidate scored{*fit.candidate, {}, 0, {}, 0, 0, 0};
+  scored.fitted = fitted(problem_, fit.hypothesis, folds_.first, kLongFit - effort_.short_fit);
+  score(scored);
+  ranked_.push_back(std::move(scored));
 }
 
-void Round::score(Contender& contender) const {
-  contender.differences = minus(base_scores_, scores(problem_, contender.fitted, folds_.second));
-  contender.gain = sum(contender.differences);
+void Round::score(ScoredCandidate& scored) const {
+  scored.differences = minus(base_scores_, scores(problem_, scored.fitted, folds_.second));
+  scored.gain = sum(scored.differences);
 }
 
 // Two terms may be the same law for a model, such as a stop behind a gap and stiffening beyond an
 // onset on one axis. Their gains then differ by the rounding of their fits alone, and the order of
 // their names decides.
 void Round::sort() {
-  std::stable_sort(contenders_.begin(), contenders_.end(),
-                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
-  if (contenders_.empty()) return;
-  const double least = (1 - kSameGain) * contenders_[0].gain;
-  const auto last = std::find_if(contenders_.begin() + 1, contenders_.end(),
-                                 [&](const Contender& one) { return !(one.gain > least); });
-  const auto first = std::min_element(
-      contenders_.begin(), last,
-      [](const Contender& a, const Contender& b) { return a.candidate.name < b.candidate.name; });
-  std::rotate(contenders_.begin(), first, first + 1);
+  std::stable_sort(
+      ranked_.begin(), ranked_.end(),
+      [](const ScoredCandidate& a, const ScoredCandidate& b) { return a.gain > b.gain; });
+  if (ranked_.empty()) return;
+  const double least = (1 - kSameGain) * ranked_[0].gain;
+  const auto last = std::find_if(ranked_.begin() + 1, ranked_.end(),
+                                 [&](const ScoredCandidate& one) { return !(one.gain > least); });
+  const auto first = std::min_element(ranked_.begin(), last,
+                                      [](const ScoredCandidate& a, const ScoredCandidate& b) {
+                                        return a.candidate.name < b.candidate.name;
+                                      });
+  std::rotate(ranked_.begin(), first, first + 1);
 }
 
 // A candidate that uses one more channel also has the noise of that channel. All candidates are
@@ -193,38 +195,37 @@ void Round::allow_for_noise() {
   const auto before = problem_.log_noise(base_);
   if (!before) return;
   double most = kMuchMoreNoise;
-  const Contender* noisiest = nullptr;
-  for (const auto& contender : contenders_) {
-    if (contender.gain < kGoodShare * contenders_[0].gain) break;
-    const auto noise = problem_.log_noise(contender.fitted);
-    if (noise && *noise - *before > most) most = *noise - *before, noisiest = &contender;
+  const ScoredCandidate* noisiest = nullptr;
+  for (const auto& scored : ranked_) {
+    if (scored.gain < kGoodShare * ranked_[0].gain) break;
+    const auto noise = problem_.log_noise(scored.fitted);
+    if (noise && *noise - *before > most) most = *noise - *before, noisiest = &scored;
   }
   if (noisiest == nullptr) return;
   problem_.renew_noise(noisiest->fitted);
   base_ = fitted(problem_, base_, folds_.first, kShortFit);
   base_scores_ = scores(problem_, base_, folds_.second);
-  for (auto& contender : contenders_) {
-    contender.fitted = fitted(problem_, contender.fitted, folds_.first, kLongFit);
-    score(contender);
+  for (auto& scored : ranked_) {
+    scored.fitted = fitted(problem_, scored.fitted, folds_.first, kLongFit);
+    score(scored);
   }
   sort();
 }
 
 // Fits the better candidates on the second fold and scores them on the first.
 void Round::reverse() {
-  if (contenders_.empty()) return;
-  const double best = contenders_[0].gain;
-  while (contenders_.size() > 1 && contenders_.back().gain < kReversedShare * best)
-    contenders_.pop_back();
+  if (ranked_.empty()) return;
+  const double best = ranked_[0].gain;
+  while (ranked_.size() > 1 && ranked_.back().gain < kReversedShare * best) ranked_.pop_back();
   const auto backwards = [&](const Hypothesis& hypothesis) {
     return scores(problem_, fitted(problem_, hypothesis, folds_.second, kShortFit), folds_.first);
   };
-  problem_.progress().begin_step("fits with the records exchanged", contenders_.size() + 1);
+  problem_.progress().begin_step("fits with the records exchanged", ranked_.size() + 1);
   const auto base = backwards(base_);
-  for (auto& contender : contenders_) {
-    const auto back = minus(base, backwards(contender.fitted));
-    contender.differences.insert(contender.differences.end(), back.begin(), back.end());
-    contender.gain += sum(back);
+  for (auto& scored : ranked_) {
+    const auto back = minus(base, backwards(scored.fitted));
+    scored.differences.insert(scored.differences.end(), back.begin(), back.end());
+    scored.gain += sum(back);
   }
   sort();
 }
@@ -232,16 +233,16 @@ void Round::reverse() {
 // Confidence: how often each is the best in resampled records.
 void Round::rank() {
   std::vector<std::vector<double>> sums;
-  for (auto& contender : contenders_) {
-    sums.push_back(resampled_sums(contender.differences, seed_));
-    contender.low = quantile(sums.back(), 0.05);
-    contender.high = quantile(sums.back(), 0.95);
+  for (auto& scored : ranked_) {
+    sums.push_back(resampled_sums(scored.differences, seed_));
+    scored.low = quantile(sums.back(), 0.05);
+    scored.high = quantile(sums.back(), 0.95);
   }
   for (std::size_t k = 0; !sums.empty() && k < sums[0].size(); ++k) {
     std::size_t best = 0;
     for (std::size_t i = 1; i < sums.size(); ++i)
       if (sums[i][k] > sums[best][k]) best = i;
-    contenders_[best].confidence += 1 / static_cast<double>(sums[0].size());
+    ranked_[best].confidence += 1 / static_cast<double>(sums[0].size());
   }
 }
 

@@ -43,10 +43,10 @@ class Round {
 
   /// The hypothesis without any candidate, fitted on the first fold.
   [[nodiscard]] const Hypothesis& base() const { return base_; }
-  [[nodiscard]] std::vector<Contender>& contenders() { return contenders_; }  ///< best first
+  [[nodiscard]] std::vector<ScoredCandidate>& ranked() { return ranked_; }  ///< best first
   /// The candidate that fits the first fold best, however it predicts the second one; none if no
   /// candidate was fitted.
-  [[nodiscard]] std::optional<Contender>& best_fit() { return best_fit_; }
+  [[nodiscard]] std::optional<ScoredCandidate>& best_fit() { return best_fit_; }
 
  private:
   /// A candidate after a short fit from its best start.
@@ -64,7 +64,7 @@ class Round {
   void fit_shortly(Hypothesis hypothesis, ShortFit& best) const;
   void keep_best(double base, std::vector<ShortFit>& fits) const;
   void finish(ShortFit& fit);
-  void score(Contender& contender) const;
+  void score(ScoredCandidate& scored) const;
   void sort();
   void allow_for_noise();
   void reverse();
@@ -76,8 +76,8 @@ class Round {
   Effort effort_;
   Hypothesis base_;
   std::vector<double> base_scores_;
-  std::vector<Contender> contenders_;
-  std::optional<Contender> best_fit_;
+  std::vector<ScoredCandidate> ranked_;
+  std::optional<ScoredCandidate> best_fit_;
 };
 
 }  // namespace rths::diagnosis

@@ -26,7 +26,7 @@ double sum(const std::vector<double>& values) {
 std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hypothesis,
                                    const Fold& fold, int iterations) {
   try {
-    return Supposition{problem, hypothesis}.fit(fold, iterations);
+    return TestedHypothesis{problem, hypothesis}.fit(fold, iterations);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -34,7 +34,7 @@ std::optional<Fit> fit_if_possible(const Problem& problem, const Hypothesis& hyp
 
 Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
                   int iterations) {
-  Hypothesis result = Supposition{problem, hypothesis}.hypothesis();
+  Hypothesis result = TestedHypothesis{problem, hypothesis}.hypothesis();
   // Without a prediction from which a fit could begin, the values stay.
   if (const auto fit = fit_if_possible(problem, hypothesis, fold, iterations))
     result.values = fit->parameters;
@@ -42,11 +42,11 @@ Hypothesis fitted(const Problem& problem, const Hypothesis& hypothesis, const Fo
 }
 
 std::vector<double> scores(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
-  const Supposition supposition{problem, hypothesis};
-  auto sums = supposition.blocks(fold);
+  const TestedHypothesis tested{problem, hypothesis};
+  auto sums = tested.blocks(fold);
   // A free run is driven by exact inputs.
   if (problem.relation().runs_freely() || sums.empty()) return sums;
-  return minus(sums, supposition.noise_blocks(fold));
+  return minus(sums, tested.noise_blocks(fold));
 }
 
 bool have_one_unit(const Relation& relation) {
@@ -80,7 +80,7 @@ void take_out_shift(const Eigen::MatrixXd& signal, double time_step, Eigen::Matr
 
 double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
                  const Fold& fold, bool without_shift) {
-  const Supposition a{problem, before}, b{problem, after};
+  const TestedHypothesis a{problem, before}, b{problem, after};
   const auto outputs = static_cast<Eigen::Index>(problem.relation().outputs().size());
   Eigen::ArrayXd change = Eigen::ArrayXd::Zero(outputs),
                  size = Eigen::ArrayXd::Constant(outputs, 1e-300);

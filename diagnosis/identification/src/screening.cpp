@@ -68,7 +68,7 @@ namespace {
 
 // Residual of the base on a fold, and the part of it that the fitted parameters cannot reproduce.
 struct BaseResidual {
-  const Supposition& base;
+  const TestedHypothesis& base;
   const Fold& fold;
   const Complement& complement;
   VectorXd whole, rest;
@@ -78,7 +78,7 @@ struct BaseResidual {
 std::optional<double> gain_at(const BaseResidual& residual, const Candidate& candidate,
                               const VectorXd& start) {
   const Hypothesis& hypothesis = residual.base.hypothesis();
-  const Supposition beside{residual.base, extended(hypothesis, candidate, start)};
+  const TestedHypothesis beside{residual.base, extended(hypothesis, candidate, start)};
   std::vector<Index> added(beside.hypothesis().free.size() - hypothesis.free.size());
   std::iota(added.begin(), added.end(), static_cast<Index>(hypothesis.free.size()));
   // A candidate that only widens a tolerance of the base is hidden by it.
@@ -109,10 +109,10 @@ void sort_by_gain(std::vector<Screened>& candidates) {
 
 }  // namespace
 
-std::vector<Screened> screen(const Supposition& given, const Fold& fold,
+std::vector<Screened> screen(const TestedHypothesis& given, const Fold& fold,
                              const std::vector<Candidate>& candidates) {
   const Hypothesis& hypothesis = given.hypothesis();
-  Supposition base{given.problem(), hypothesis};
+  TestedHypothesis base{given.problem(), hypothesis};
   base.keep(fold);
   const std::vector<Index> all = all_of(hypothesis);
   VectorXd whole;

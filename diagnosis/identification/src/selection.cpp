@@ -20,8 +20,8 @@ namespace rths::diagnosis {
 namespace {
 
 // Every candidate of a round, in no order.
-std::vector<Contender> contenders_of(const SelectionRound& round) {
-  std::vector<Contender> all{round.chosen};
+std::vector<ScoredCandidate> ranked_of(const SelectionRound& round) {
+  std::vector<ScoredCandidate> all{round.chosen};
   all.insert(all.end(), round.tied.begin(), round.tied.end());
   all.insert(all.end(), round.others.begin(), round.others.end());
   return all;
@@ -30,7 +30,7 @@ std::vector<Contender> contenders_of(const SelectionRound& round) {
 // Removes ties with candidates that another round has named.
 void drop_named(std::vector<SelectionRound>& rounds) {
   for (auto& round : rounds) {
-    const auto is_named = [&](const Contender& tied) {
+    const auto is_named = [&](const ScoredCandidate& tied) {
       return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
         return is_same(other.chosen.candidate, tied.candidate);
       });
@@ -110,7 +110,7 @@ class Selector {
   }
 
   void add(SelectionRound round) {
-    if (selection_.rounds.empty()) selection_.first = contenders_of(round);
+    if (selection_.rounds.empty()) selection_.first = ranked_of(round);
     selection_.rounds.push_back(std::move(round));
     current_ = selection_.rounds.back().chosen.fitted;
     problem_.renew_noise(current_);
@@ -123,12 +123,12 @@ class Selector {
   bool add_pair() {
     if (selection_.last.empty() || effects() + 2 > kMostTerms || !explains_little(std::nullopt))
       return false;
-    const Contender first = selection_.last[0], best_fit = *best_fit_;
+    const ScoredCandidate first = selection_.last[0], best_fit = *best_fit_;
     return add_pair_with(first) ||
            (!is_same(best_fit.candidate, first.candidate) && add_pair_with(best_fit));
   }
 
-  bool add_pair_with(const Contender& one) {
+  bool add_pair_with(const ScoredCandidate& one) {
     if (!comparison_.predicts(one.fitted)) return false;
     const Selection selection = selection_;
     const Hypothesis before = current_;
@@ -187,7 +187,7 @@ class Selector {
     return effort;
   }
 
-  // A round of this effort. Without a winner, its contenders are kept as evidence.
+  // A round of this effort. Without a winner, its candidates are kept as evidence.
   std::optional<SelectionRound> round_with(const Effort& effort) {
     Round round{problem_,
                 folds_,
@@ -198,7 +198,7 @@ class Selector {
     auto won = winner(round, nullptr);
     if (won && won->chosen.gain < 2 * effort.least) return std::nullopt;
     if (!won) {
-      selection_.last = std::move(round.contenders());
+      selection_.last = std::move(round.ranked());
       best_fit_ = std::move(round.best_fit());
     }
     return won;
@@ -225,18 +225,18 @@ class Selector {
     return std::max({kLeastAcceptedGain, kAcceptedDensity * n, share});
   }
 
-  // Takes the contenders of a round, if it accepts one. A term may have to wait for another one; a
-  // holder that is compared with its rivals has waited already.
+  // Takes the best candidate of a round, if it accepts one. A term may have to wait for another
+  // one; a holder that is compared with its rivals has waited already.
   std::optional<SelectionRound> winner(Round& round, const Candidate* holder) const {
-    auto& contenders = round.contenders();
-    const double least = accepted(round.base(), contenders.size() == 1);
-    const std::vector<Contender> waiting = held_back(contenders, holder, least, seed_);
-    if (contenders.empty() || !is_acceptable(contenders[0], least, seed_) ||
-        !comparison_.is_material(round.base(), contenders[0].fitted))
+    auto& ranked = round.ranked();
+    const double least = accepted(round.base(), ranked.size() == 1);
+    const std::vector<ScoredCandidate> waiting = held_back(ranked, holder, least, seed_);
+    if (ranked.empty() || !is_acceptable(ranked[0], least, seed_) ||
+        !comparison_.is_material(round.base(), ranked[0].fitted))
       return std::nullopt;
-    SelectionRound won = chosen(std::move(contenders), seed_);
+    SelectionRound won = chosen(std::move(ranked), seed_);
     // Waiting candidates contain the chosen one as a special case, so they support it.
-    for (const auto& contender : waiting) won.chosen.confidence += contender.confidence;
+    for (const auto& scored : waiting) won.chosen.confidence += scored.confidence;
     won.others.insert(won.others.begin(), waiting.begin(), waiting.end());
     return won;
   }
@@ -346,8 +346,8 @@ class Selector {
   std::uint64_t seed_;
   ModelComparison comparison_;
   Hypothesis stated_, current_;
-  Hypothesis unexplained_;             // without the terms that are still to be found
-  std::optional<Contender> best_fit_;  // of the round without a winner that `last` describes
+  Hypothesis unexplained_;                   // without the terms that are still to be found
+  std::optional<ScoredCandidate> best_fit_;  // of the round without a winner that `last` describes
   Selection selection_;
 };
 

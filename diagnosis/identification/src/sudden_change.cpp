@@ -53,28 +53,28 @@ Change best_change(const VectorXd& w, const MatrixXd& J, const Complement& compl
 
 }  // namespace
 
-void find_change(const Supposition& supposition, const Folds& folds,
+void find_change(const TestedHypothesis& tested, const Folds& folds,
                  std::vector<Description>& found) {
-  const auto& hypothesis = supposition.hypothesis();
+  const auto& hypothesis = tested.hypothesis();
   const std::vector<Index> all = all_of(hypothesis);
   double gain = 0, excess = 0;
   std::vector<double> times;
   std::string parameter;
   for (const auto& share : folds.both.shares) {
-    const Fold one = compared(supposition.problem(), {share.record});
+    const Fold one = compared(tested.problem(), {share.record});
     VectorXd w;
     MatrixXd J;
-    if (!supposition.evaluate(one, hypothesis.values, all, w, J)) return;
+    if (!tested.evaluate(one, hypothesis.values, all, w, J)) return;
     const Complement complement{J};
     complement.take_out(w);
-    const Change best = best_change(w, J, complement, supposition.problem().drive(share.record),
-                                    hypothesis, parameter);
+    const Change best =
+        best_change(w, J, complement, tested.problem().drive(share.record), hypothesis, parameter);
     gain += best.explained;
-    excess += w.squaredNorm() - observations(supposition.problem(), one);
+    excess += w.squaredNorm() - observations(tested.problem(), one);
     times.push_back(best.time);
   }
   if (times.size() < 2) return;
-  excess = std::max(excess, kLeastExcess * observations(supposition.problem(), folds.both));
+  excess = std::max(excess, kLeastExcess * observations(tested.problem(), folds.both));
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   const double share = gain / excess * (*last - *first < 1.5 ? 1 : 0.5);
   found.push_back({fmt::format("change of {} at {:.1f} s", parameter, times[0]),

@@ -92,8 +92,8 @@ std::string transfer_text(const budget::MismatchBudget& found) {
 
 // Errors of the actuator's relation with the transfer system in place of its terms, all of them of
 // unfiltered signals.
-void score(const budget::MismatchBudget& found, Comparison& comparison) {
-  for (auto& one : comparison.fit) {
+void score(const budget::MismatchBudget& found, Evaluation& evaluation) {
+  for (auto& one : evaluation.fit) {
     const AxisErrors errors = worst(found, one.use == "held_out" ? unseen_errors : fitted_errors);
     one.nrmse_stated = std::nan("");
     one.nrmse_before = errors.before;
@@ -102,15 +102,15 @@ void score(const budget::MismatchBudget& found, Comparison& comparison) {
     one.variance_before = one.variance_after = std::nan("");
   }
   const AxisErrors unseen = worst(found, unseen_errors);
-  auto& proof = comparison.proof;
+  auto& proof = evaluation.proof;
   proof.before = unseen.before;
   proof.after = unseen.after;
   proof.floor = unseen.noise;
   proof.explained = unseen.explained();
-  std::erase_if(comparison.traces,
+  std::erase_if(evaluation.traces,
                 [](const Trace& trace) { return trace.channel.starts_with(kDisplacement); });
-  comparison.residual.correlation.clear();
-  comparison.refitted.clear();
+  evaluation.residual.correlation.clear();
+  evaluation.refitted.clear();
 }
 
 // Removes a term from the model of an improved case, and its parameters from the fitted ones.
@@ -138,7 +138,7 @@ std::string added_actuator_term(const std::string& table) {
 
 // Withdraws the terms of the actuator from the improved models.
 // @param has_causes  others are named
-void withdraw_actuator_terms(Improvement& improvement, bool has_causes) {
+void withdraw_actuator_terms(ImprovedModel& improvement, bool has_causes) {
   Config& file = improvement.source.file;
   if (!has_causes) {
     improvement.fragment.clear();
@@ -166,7 +166,7 @@ void name_transfer_system(Verdict& verdict) {
   Conclusion& conclusion = verdict.conclusion;
   std::erase_if(conclusion.causes, [](const Cause& cause) { return cause.part == Part::Actuator; });
   withdraw_actuator_terms(verdict.improvement, !conclusion.causes.empty());
-  score(verdict.budget, verdict.comparison);
+  score(verdict.budget, verdict.evaluation);
   verdict.ablation.clear();
   std::erase_if(verdict.descriptions, [](const Description& one) {
     return one.channel.empty() || one.channel == kDisplacement;

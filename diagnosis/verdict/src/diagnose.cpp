@@ -13,8 +13,8 @@
 #include <rths/core/contains.hpp>
 #include <rths/experiment_design/next_test.hpp>
 #include <rths/identification/constants.hpp>
-#include <rths/identification/investigation.hpp>
 #include <rths/identification/lattice.hpp>
+#include <rths/identification/relation_findings.hpp>
 #include <rths/models/barred.hpp>
 #include <rths/models/relations.hpp>
 #include <rths/sim/term.hpp>
@@ -67,11 +67,11 @@ std::size_t lattices_named(const std::vector<Lattice>& lattices) {
   return families.size();
 }
 
-// An investigation that found a cause and leaves nothing unknown.
-bool is_explained(const Investigation& found) { return found.is_named() && !found.is_unknown(); }
+// Findings with a cause and nothing unknown.
+bool is_explained(const RelationFindings& found) { return found.is_named() && !found.is_unknown(); }
 
 template <class Condition>
-const Investigation* first_where(const Investigations& all, const Condition& holds) {
+const RelationFindings* first_where(const AllFindings& all, const Condition& holds) {
   const auto first =
       std::find_if(all.begin(), all.end(), [&](const auto& found) { return holds(*found); });
   return first == all.end() ? nullptr : first->get();
@@ -87,7 +87,7 @@ void add_once(const std::string& name, std::vector<std::string>& names) {
 }
 
 // The terms that the simulation has, and the effects that were searched for.
-ConsideredTerms terms_of(const Investigations& all) {
+ConsideredTerms terms_of(const AllFindings& all) {
   ConsideredTerms terms;
   for (const auto& found : all) {
     const Relation& relation = *found->relation;
@@ -103,18 +103,18 @@ bool names(const SelectionRound& round, const Cause& cause) {
   return candidate.name == cause.name && candidate.channel == cause.channel;
 }
 
-/// Investigations by what they show. Missing takes precedence over unknown, unknown over none; a
+/// Findings by what they show. Missing takes precedence over unknown, unknown over none; a
 /// relation further up the chain is reported first.
 struct Ranking {
-  explicit Ranking(const Investigations& all)
+  explicit Ranking(const AllFindings& all)
       : explained{first_where(all, is_explained)},
-        unknown{first_where(all, [](const Investigation& one) { return one.is_unknown(); })},
+        unknown{first_where(all, [](const RelationFindings& one) { return one.is_unknown(); })},
         shown{explained != nullptr ? explained
               : unknown != nullptr ? unknown
                                    : all.back().get()} {}
 
-  const Investigation *explained, *unknown;  ///< the first ones; null if there is none
-  const Investigation* shown;
+  const RelationFindings *explained, *unknown;  ///< the first ones; null if there is none
+  const RelationFindings* shown;
 
   [[nodiscard]] Outcome outcome() const {
     return explained != nullptr ? Outcome::Missing
@@ -123,9 +123,10 @@ struct Ranking {
   }
 };
 
-// Investigations in the order in which a verdict reports them, the shown one last.
-std::vector<const Investigation*> in_order(const Investigations& all, const Investigation& shown) {
-  std::vector<const Investigation*> order;
+// Findings in the order in which a verdict reports them, the shown one last.
+std::vector<const RelationFindings*> in_order(const AllFindings& all,
+                                              const RelationFindings& shown) {
+  std::vector<const RelationFindings*> order;
   for (const auto& found : all)
     if (found.get() != &shown && (found->is_named() || found->is_unknown()))
       order.push_back(found.get());
@@ -140,12 +141,12 @@ Cause* cause_of(const SelectionRound& round, std::vector<Cause>& causes) {
   return named == causes.end() ? nullptr : &*named;
 }
 
-// Causes of all investigations, those of the shown one first, with what separates each from its
+// Causes of all relations, those of the shown one first, with what separates each from its
 // alternatives.
-std::vector<Cause> causes_of(const Investigations& all, const Investigation& shown,
+std::vector<Cause> causes_of(const AllFindings& all, const RelationFindings& shown,
                              const NextTest& next) {
   std::vector<Cause> causes;
-  for (const Investigation* found : in_order(all, shown)) append(causes_of(*found), causes);
+  for (const RelationFindings* found : in_order(all, shown)) append(causes_of(*found), causes);
   const auto& rounds = shown.selection.rounds;
   std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
     return std::any_of(rounds.begin(), rounds.end(),
@@ -176,14 +177,14 @@ std::vector<std::string> inseparable_of(const NextTest& next, std::vector<Cause>
 
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the
 // others.
-Investigations investigations_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
-                                 Progress& progress) {
-  Investigations all;
+AllFindings findings_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
+                        Progress& progress) {
+  AllFindings all;
   for (const RelationOf relation_of : relations_of_kind(c.model.kind)) {
     auto relation = relation_of(c, options.without);
     if (!relation) continue;
     check_outputs(*relation, moving_records(c));
-    all.push_back(investigate(std::move(relation), c.records, noise, options.seed, progress));
+    all.push_back(examine(std::move(relation), c.records, noise, options.seed, progress));
     if (relation_of == accelerometer_relation)
       correct_accelerometers(all.back()->selection.named, c);
   }
@@ -205,9 +206,9 @@ void name_lattices(const std::vector<Lattice>& lattices, Conclusion& conclusion)
   conclusion.where.channel = family_of(lattices[0].role);
 }
 
-Conclusion conclude(const Investigations& all, const Ranking& ranking, std::vector<Cause> causes,
+Conclusion conclude(const AllFindings& all, const Ranking& ranking, std::vector<Cause> causes,
                     Where where, const std::vector<Lattice>& lattices) {
-  const Investigation& shown = *ranking.shown;
+  const RelationFindings& shown = *ranking.shown;
   Conclusion conclusion;
   conclusion.outcome = ranking.outcome();
   conclusion.causes = std::move(causes);
@@ -222,9 +223,9 @@ Conclusion conclude(const Investigations& all, const Ranking& ranking, std::vect
   return conclusion;
 }
 
-Improvement improvement_of(const Case& given, const Case& c, const Investigations& all,
-                           const std::vector<Lattice>& lattices, bool has_causes) {
-  Improvement improvement;
+ImprovedModel improvement_of(const Case& given, const Case& c, const AllFindings& all,
+                             const std::vector<Lattice>& lattices, bool has_causes) {
+  ImprovedModel improvement;
   if (is_composition(c.model.kind))
     for (const auto& found : all) improvement.fragment += fragment_of(*found);
   if (has_causes) improvement.source = improved_case(given, improved_model(c, all, lattices));
@@ -243,17 +244,17 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options, Progress&
     return has_rounding(c, lattice.role) ||
            is_barred(options.without, quantisation_of(lattice), "quantisation");
   });
-  const Investigations all = investigations_of(c, noise, options, progress);
+  const AllFindings all = findings_of(c, noise, options, progress);
   const Ranking ranking{all};
-  const Investigation& shown = *ranking.shown;
+  const RelationFindings& shown = *ranking.shown;
   progress.enter("");
   progress.begin_stage("place, intervals");
   Verdict verdict;
-  for (const Investigation* found : in_order(all, shown)) {
+  for (const RelationFindings* found : in_order(all, shown)) {
     append(withdrawn_of(*found), verdict.limits);
-    const Reduced reduced = reduced_models(*found);
+    const ReducedModels reduced = reduced_models(*found);
     append(ablation_of(*found, reduced), verdict.ablation);
-    if (found == &shown) verdict.comparison = comparison_of(shown, reduced);
+    if (found == &shown) verdict.evaluation = evaluation_of(shown, reduced);
   }
   Where where = where_of(shown, c.map);
   verdict.evidence = evidence_of(all, shown);

@@ -87,13 +87,13 @@ struct TermTable {
   Config changes;
 };
 
-const sim::TermSettings* in_base(const Investigation& found, const std::string& name) {
+const sim::TermSettings* in_base(const RelationFindings& found, const std::string& name) {
   for (const auto& [settings, component] : found.relation->base().terms)
     if (settings.name == name) return &settings;
   return nullptr;
 }
 
-std::vector<TermTable> tables_of(const Investigation& found) {
+std::vector<TermTable> tables_of(const RelationFindings& found) {
   std::vector<TermTable> tables;
   for (const auto& [settings, component] : found.selection.named.terms) {
     const std::string key = without_axis(settings.name);
@@ -129,7 +129,7 @@ void put_parameter(const Hypothesis& named, const sim::Parameter& parameter, Ter
 }
 
 // The tables that a fit has changed or added.
-std::vector<TermTable> changed_tables(const Investigation& found) {
+std::vector<TermTable> changed_tables(const RelationFindings& found) {
   const Hypothesis& named = found.selection.named;
   std::vector<TermTable> tables = tables_of(found);
   for (auto& table : tables) {
@@ -178,7 +178,7 @@ bool may_be_fitted(const Candidate& candidate) {
   return candidate.kind != "offset" || candidate.part != Part::Sensor;
 }
 
-void improve_composition(const Investigation& found, Config& model) {
+void improve_composition(const RelationFindings& found, Config& model) {
   for (const auto& table : changed_tables(found)) {
     const bool replaces = table.is_added || !model.is_table(table.key);
     model.set(table.key, replaces ? table.changes : model.table(table.key).overlaid(table.changes));
@@ -204,7 +204,7 @@ bool is_same_term(const ModelTerm& one, const ModelTerm& other) {
 }
 
 // The terms that the fit has added, with keys that no other term of their component has.
-std::vector<AddedTerm> added_terms(const Investigation& found) {
+std::vector<AddedTerm> added_terms(const RelationFindings& found) {
   const auto& base = found.relation->base().terms;
   std::vector<AddedTerm> added;
   for (const auto& term : found.selection.named.terms) {
@@ -247,7 +247,7 @@ void add_term(Config& model, const std::string& component, const std::string& ke
   model.set("terms", terms);
 }
 
-void improve_system(const Investigation& found, Config& model) {
+void improve_system(const RelationFindings& found, Config& model) {
   const Hypothesis& named = found.selection.named;
   const auto added = added_terms(found);
   for (const auto& one : added) add_term(model, one.term->component, one.key, table_of(named, one));
@@ -324,7 +324,7 @@ const char* side_of(const sim::TermKind& kind) {
 
 }  // namespace
 
-std::string fragment_of(const Investigation& found) {
+std::string fragment_of(const RelationFindings& found) {
   if (!found.is_named()) return "";
   std::string text;
   for (const auto& table : changed_tables(found)) {
@@ -354,7 +354,7 @@ bool has_rounding(const Case& c, const std::string& role) {
   });
 }
 
-Config improved_model(const Case& c, const std::vector<std::unique_ptr<Investigation>>& all,
+Config improved_model(const Case& c, const std::vector<std::unique_ptr<RelationFindings>>& all,
                       const std::vector<Lattice>& lattices) {
   Config model = c.model.table;
   model.put("kind", c.model.kind);

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include <rths/cases/case.hpp>
-#include <rths/identification/investigation.hpp>
 #include <rths/identification/lattice.hpp>
+#include <rths/identification/relation_findings.hpp>
 
 namespace rths::diagnosis {
 
 /// TOML of the named terms, and of the parameters fitted with them, for [specimen] and [machine] of
 /// an experiment; empty if nothing was named. For models made of terms of the catalogue.
-[[nodiscard]] std::string fragment_of(const Investigation& found);
+[[nodiscard]] std::string fragment_of(const RelationFindings& found);
 
 /// Whether the model has the coarse steps of a sensor.
 [[nodiscard]] bool has_rounding(const Case& c, const std::string& role);
@@ -21,7 +21,7 @@ namespace rths::diagnosis {
 /// [model] with the named terms, the coarse steps of sensors, and all parameters as fitted with
 /// them. The parameters of the named terms are among `fitted`.
 [[nodiscard]] Config improved_model(const Case& c,
-                                    const std::vector<std::unique_ptr<Investigation>>& all,
+                                    const std::vector<std::unique_ptr<RelationFindings>>& all,
                                     const std::vector<Lattice>& lattices);
 
 /// The case with an improved model, and its experiment with the terms of `improved.toml`; empty if

@@ -134,7 +134,7 @@ std::vector<std::string> doubtful_units(const Case& c) {
 }
 
 // The errors of a relation are errors of filtered signals.
-std::string filter_of(const Investigation& found) {
+std::string filter_of(const RelationFindings& found) {
   const Drive& drive = found.problem->drive(0);
   const std::string rate = fmt::format("{:.4g} Hz", 1 / drive.time_step);
   return drive.cutoff > 0 ? fmt::format(
@@ -165,7 +165,7 @@ void add_largest(const Drive& drive, Largest& largest) {
 }
 
 // The largest states of all records, once for each name.
-std::vector<std::string> visited_in(const Investigation& found) {
+std::vector<std::string> visited_in(const RelationFindings& found) {
   Largest largest;
   for (const Problem* problem : {found.problem.get(), found.held_out.get()})
     for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
@@ -290,7 +290,7 @@ NoiseBasis noise_basis(const Case& c, const SensorNoise& noise) {
 }
 
 std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
-                                   const Investigations& all) {
+                                   const AllFindings& all) {
   const NoiseBasis basis = noise_basis(c, noise);
   std::vector<std::string> limits{"Source of the noise: " + basis.source + "."};
   const auto add = [&](std::vector<std::string> more) {

@@ -15,7 +15,7 @@ namespace rths::diagnosis {
 /// What the records and the comparison leave open: the source of the noise, the filter, channels
 /// that are missing or not used, gaps, and states that were never visited.
 [[nodiscard]] std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
-                                                 const Investigations& all);
+                                                 const AllFindings& all);
 
 /// What the absence of channels leaves open, and channels that no relation uses.
 [[nodiscard]] std::vector<std::string> limits_of_channels(const Case& c);

@@ -147,7 +147,7 @@ class Examination {
   // The effect at values of a candidate's parameters; nothing if there is no prediction.
   [[nodiscard]] std::optional<Seen> seen_at(const Candidate& candidate,
                                             const VectorXd& start) const {
-    const Supposition beside{base_.problem(), extended(base_.hypothesis(), candidate, start)};
+    const TestedHypothesis beside{base_.problem(), extended(base_.hypothesis(), candidate, start)};
     const Hypothesis& whole = beside.hypothesis();
     const std::size_t known = base_.hypothesis().free.size();
     std::vector<Index> added(whole.free.size() - known);
@@ -210,7 +210,7 @@ class Examination {
   }
 
   Fold fold_;
-  Supposition base_;
+  TestedHypothesis base_;
   VectorXd residual_;
   std::optional<Complement> fitted_;
 };

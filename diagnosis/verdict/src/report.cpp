@@ -11,7 +11,7 @@
 #include <rths/core/error.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/intervals.hpp>
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 #include <rths/identification/scores.hpp>
 
 #include "where.hpp"
@@ -49,7 +49,7 @@ Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimat
   return cause;
 }
 
-std::vector<Refitted> refitted_of(const Investigation& found) {
+std::vector<Refitted> refitted_of(const RelationFindings& found) {
   const Hypothesis &stated = found.relation->base(), &before = found.selection.base,
                    &after = found.selection.named;
   const auto value = [](const Hypothesis& hypothesis, const std::string& name, double otherwise) {
@@ -66,7 +66,7 @@ std::vector<Refitted> refitted_of(const Investigation& found) {
   return refitted;
 }
 
-// Predictions of the models of an investigation for a record: as stated, before and after the named
+// Predictions of the models of a relation for a record: as stated, before and after the named
 // terms, and without each of them.
 struct Predictions {
   MatrixXd stated, before, after;
@@ -74,7 +74,7 @@ struct Predictions {
 };
 
 // Free offsets are no error: each curve is shifted onto the measurement.
-double shift_of(const Investigation& found, const Drive& drive, const MatrixXd& prediction,
+double shift_of(const RelationFindings& found, const Drive& drive, const MatrixXd& prediction,
                 Index output) {
   return found.relation->has_free_offsets()
              ? drive.compared_rows(drive.measured - prediction).col(output).mean()
@@ -98,7 +98,7 @@ void add_axes_of(const Drive& drive, Index output, Trace& trace) {
   trace.abscissa_label = fmt::format("{} [{}]", state.name, state.unit);
 }
 
-void add_curves(const Investigation& found, const Drive& drive, const Predictions& predictions,
+void add_curves(const RelationFindings& found, const Drive& drive, const Predictions& predictions,
                 Index output, Trace& trace) {
   const auto shifted = [&](const MatrixXd& prediction) {
     return compared_rows(drive, prediction, output, shift_of(found, drive, prediction, output));
@@ -112,12 +112,12 @@ void add_curves(const Investigation& found, const Drive& drive, const Prediction
 }
 
 // @param reduced  models whose predictions are added
-void add_traces(const Investigation& found, const Problem& problem, std::size_t record,
-                const Reduced& reduced, std::vector<Trace>& traces) {
+void add_traces(const RelationFindings& found, const Problem& problem, std::size_t record,
+                const ReducedModels& reduced, std::vector<Trace>& traces) {
   const auto predicted = [&](const Hypothesis& hypothesis) {
-    return Supposition{problem, hypothesis}.prediction(record);
+    return TestedHypothesis{problem, hypothesis}.prediction(record);
   };
-  const Supposition base{problem, found.selection.base};
+  const TestedHypothesis base{problem, found.selection.base};
   Predictions predictions{predicted(found.relation->base()),
                           base.prediction(record),
                           predicted(found.selection.named),
@@ -147,16 +147,16 @@ void add_traces(const Investigation& found, const Problem& problem, std::size_t 
   }
 }
 
-double held_out_error(const Investigation& found, const Hypothesis& hypothesis,
+double held_out_error(const RelationFindings& found, const Hypothesis& hypothesis,
                       std::size_t record) {
   const Zeros zeros = zeros_of({*found.held_out, found.selection.named});
   return nrmse({*found.held_out, hypothesis}, record, zeros);
 }
 
 // Error of a rival on a record of the proof, after a refit; none if it has no prediction there.
-std::optional<double> error_of_rival(const Investigation& found, const Contender& rival,
+std::optional<double> error_of_rival(const RelationFindings& found, const ScoredCandidate& rival,
                                      std::size_t record) {
-  Supposition other{*found.problem, rival.fitted};
+  TestedHypothesis other{*found.problem, rival.fitted};
   try {
     other.set_values(other.fit(found.folds.both, 6).parameters);
     return held_out_error(found, other.hypothesis(), record);
@@ -167,15 +167,15 @@ std::optional<double> error_of_rival(const Investigation& found, const Contender
 
 }  // namespace
 
-std::vector<Ablation> ablation_of(const Investigation& found, const Reduced& reduced) {
+std::vector<Ablation> ablation_of(const RelationFindings& found, const ReducedModels& reduced) {
   std::vector<Ablation> ablation;
   if (!found.proof.is_held_out) return ablation;
   const std::size_t last = found.held_out->records() - 1;
   if (found.is_named()) {
     const SelectionRound& first = found.selection.rounds[0];
-    const Contender* rival = !first.tied.empty()     ? &first.tied[0]
-                             : !first.others.empty() ? &first.others[0]
-                                                     : nullptr;
+    const ScoredCandidate* rival = !first.tied.empty()     ? &first.tied[0]
+                                   : !first.others.empty() ? &first.others[0]
+                                                           : nullptr;
     const auto error = rival != nullptr ? error_of_rival(found, *rival, last) : std::nullopt;
     if (error)
       ablation.push_back(
@@ -189,10 +189,10 @@ std::vector<Ablation> ablation_of(const Investigation& found, const Reduced& red
   return ablation;
 }
 
-Reduced reduced_models(const Investigation& found) {
+ReducedModels reduced_models(const RelationFindings& found) {
   constexpr int kIterations = 8;
   const auto& rounds = found.selection.rounds;
-  Reduced reduced;
+  ReducedModels reduced;
   if (rounds.size() < 2) return reduced;  // "before" lacks the only cause
   for (const auto& left_out : rounds) {
     Hypothesis rest = found.selection.base;
@@ -209,29 +209,30 @@ Reduced reduced_models(const Investigation& found) {
   return reduced;
 }
 
-std::string output_of(const Investigation& found) {
+std::string output_of(const RelationFindings& found) {
   return family_of(found.relation->outputs()[0].first);
 }
 
 namespace {
 
-// Those of an investigation, or its last round, best first.
-std::vector<Contender> contenders_of(const Selection& selection) {
-  std::vector<Contender> all = selection.rounds.empty() ? selection.last : selection.first;
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Contender& a, const Contender& b) { return a.gain > b.gain; });
+// Those of a relation, or its last round, best first.
+std::vector<ScoredCandidate> ranked_of(const Selection& selection) {
+  std::vector<ScoredCandidate> all = selection.rounds.empty() ? selection.last : selection.first;
+  std::stable_sort(all.begin(), all.end(), [](const ScoredCandidate& a, const ScoredCandidate& b) {
+    return a.gain > b.gain;
+  });
   return all;
 }
 
-void add_evidence(const Investigation& found, std::vector<Evidence>& evidence) {
+void add_evidence(const RelationFindings& found, std::vector<Evidence>& evidence) {
   const double n = observations(*found.problem, found.folds.both);
-  for (const auto& one : contenders_of(found.selection))
+  for (const auto& one : ranked_of(found.selection))
     if (evidence.size() < kMostEvidence && one.gain > 0)
       evidence.push_back(
           {one.candidate.name, one.candidate.title, one.gain / n, one.low / n, one.high / n});
 }
 
-void add_descriptions(const Investigation& found, std::vector<Description>& descriptions) {
+void add_descriptions(const RelationFindings& found, std::vector<Description>& descriptions) {
   for (const auto& description : found.descriptions) {
     if (description.share <= kLeastShareOfForm) continue;
     descriptions.push_back(description);
@@ -239,11 +240,11 @@ void add_descriptions(const Investigation& found, std::vector<Description>& desc
   }
 }
 
-bool has_result(const Investigation& found) { return found.is_named() || found.is_unknown(); }
+bool has_result(const RelationFindings& found) { return found.is_named() || found.is_unknown(); }
 
 }  // namespace
 
-std::vector<Evidence> evidence_of(const Investigations& all, const Investigation& shown) {
+std::vector<Evidence> evidence_of(const AllFindings& all, const RelationFindings& shown) {
   std::vector<Evidence> evidence;
   add_evidence(shown, evidence);
   for (const auto& found : all)
@@ -251,7 +252,7 @@ std::vector<Evidence> evidence_of(const Investigations& all, const Investigation
   return evidence;
 }
 
-std::vector<Description> descriptions_of(const Investigations& all, const Investigation& shown) {
+std::vector<Description> descriptions_of(const AllFindings& all, const RelationFindings& shown) {
   std::vector<Description> descriptions;
   add_descriptions(shown, descriptions);
   if (shown.is_unknown() && descriptions.empty()) return descriptions;
@@ -260,7 +261,7 @@ std::vector<Description> descriptions_of(const Investigations& all, const Invest
   return descriptions;
 }
 
-std::vector<Cause> causes_of(const Investigation& found) {
+std::vector<Cause> causes_of(const RelationFindings& found) {
   std::vector<Cause> causes;
   if (!found.is_named()) return causes;
   const Selection& selection = found.selection;
@@ -277,7 +278,7 @@ std::vector<Cause> causes_of(const Investigation& found) {
   return causes;
 }
 
-std::vector<std::string> withdrawn_of(const Investigation& found) {
+std::vector<std::string> withdrawn_of(const RelationFindings& found) {
   std::vector<std::string> withdrawn;
   for (const auto& [candidate, reason] : found.withdrawn)
     withdrawn.push_back(
@@ -285,23 +286,23 @@ std::vector<std::string> withdrawn_of(const Investigation& found) {
   return withdrawn;
 }
 
-Comparison comparison_of(const Investigation& found, const Reduced& reduced) {
+Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& reduced) {
   const Proof& proof = found.proof;
-  Comparison comparison;
-  comparison.refitted = refitted_of(found);
-  comparison.fit = scores_of(*found.problem, found.selection, false);
-  comparison.proof = {proof.before,      proof.after,           proof.floor,
+  Evaluation evaluation;
+  evaluation.refitted = refitted_of(found);
+  evaluation.fit = scores_of(*found.problem, found.selection, false);
+  evaluation.proof = {proof.before,      proof.after,           proof.floor,
                       proof.explained(), proof.is_systematic(), found.problem->has_colour()};
-  comparison.residual = {proof.whiteness.correlation, proof.whiteness.bound, proof.is_white};
+  evaluation.residual = {proof.whiteness.correlation, proof.whiteness.bound, proof.is_white};
   for (std::size_t i = 0; i < found.problem->records(); ++i)
-    add_traces(found, *found.problem, i, i == 0 ? reduced : Reduced{}, comparison.traces);
-  if (!proof.is_held_out) return comparison;
-  comparison.proof_record = proof.records.back().record;
-  comparison.fit.insert(comparison.fit.end(), proof.records.begin(), proof.records.end());
+    add_traces(found, *found.problem, i, i == 0 ? reduced : ReducedModels{}, evaluation.traces);
+  if (!proof.is_held_out) return evaluation;
+  evaluation.proof_record = proof.records.back().record;
+  evaluation.fit.insert(evaluation.fit.end(), proof.records.begin(), proof.records.end());
   const std::size_t last = found.held_out->records() - 1;
   for (std::size_t i = 0; i <= last; ++i)
-    add_traces(found, *found.held_out, i, i == last ? reduced : Reduced{}, comparison.traces);
-  return comparison;
+    add_traces(found, *found.held_out, i, i == last ? reduced : ReducedModels{}, evaluation.traces);
+  return evaluation;
 }
 
 double confidence_in(const std::vector<Cause>& causes) {

@@ -9,37 +9,38 @@
 
 namespace rths::diagnosis {
 
-using Investigations = std::vector<std::unique_ptr<Investigation>>;
+using AllFindings = std::vector<std::unique_ptr<RelationFindings>>;
 
-/// Gains of the candidates of some investigations, those of `shown` first. There is room for ten.
-[[nodiscard]] std::vector<Evidence> evidence_of(const Investigations& all,
-                                                const Investigation& shown);
+/// Gains of the candidates of some relations, those of `shown` first. There is room for ten.
+[[nodiscard]] std::vector<Evidence> evidence_of(const AllFindings& all,
+                                                const RelationFindings& shown);
 
-/// Forms of the residuals of some investigations, those of `shown` first. If its residual is
+/// Forms of the residuals of some relations, those of `shown` first. If its residual is
 /// unknown and has no form, there are none, since the first one is taken for the best of it.
-[[nodiscard]] std::vector<Description> descriptions_of(const Investigations& all,
-                                                       const Investigation& shown);
+[[nodiscard]] std::vector<Description> descriptions_of(const AllFindings& all,
+                                                       const RelationFindings& shown);
 
-/// The named terms of an investigation.
-[[nodiscard]] std::vector<Cause> causes_of(const Investigation& found);
+/// The named terms of a relation.
+[[nodiscard]] std::vector<Cause> causes_of(const RelationFindings& found);
 
-/// Terms of an investigation that were selected and are not named, and the reasons.
-[[nodiscard]] std::vector<std::string> withdrawn_of(const Investigation& found);
+/// Terms of a relation that were selected and are not named, and the reasons.
+[[nodiscard]] std::vector<std::string> withdrawn_of(const RelationFindings& found);
 
-/// The final model of an investigation without one of its causes, fitted again; by the name of the
+/// The final model of a relation without one of its causes, fitted again; by the name of the
 /// cause. Empty with fewer than two causes.
-using Reduced = std::vector<std::pair<std::string, Hypothesis>>;
-[[nodiscard]] Reduced reduced_models(const Investigation& found);
+using ReducedModels = std::vector<std::pair<std::string, Hypothesis>>;
+[[nodiscard]] ReducedModels reduced_models(const RelationFindings& found);
 
-/// Scores, refitted parameters, proof and traces of an investigation.
-[[nodiscard]] Comparison comparison_of(const Investigation& found, const Reduced& reduced);
+/// Scores, refitted parameters, proof and traces of a relation.
+[[nodiscard]] Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& reduced);
 
 /// Errors on the record of the proof if the answer is changed and everything is refitted. Empty
 /// without a held-out record.
-[[nodiscard]] std::vector<Ablation> ablation_of(const Investigation& found, const Reduced& reduced);
+[[nodiscard]] std::vector<Ablation> ablation_of(const RelationFindings& found,
+                                                const ReducedModels& reduced);
 
-/// Output of an investigation without its axis: "displacement", "force".
-[[nodiscard]] std::string output_of(const Investigation& found);
+/// Output of a relation without its axis: "displacement", "force".
+[[nodiscard]] std::string output_of(const RelationFindings& found);
 
 /// The lowest confidence of any cause.
 [[nodiscard]] double confidence_in(const std::vector<Cause>& causes);

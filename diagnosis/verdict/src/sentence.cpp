@@ -55,7 +55,7 @@ std::string change(double before, double after) {
 std::string errors_of(const Verdict& verdict) {
   constexpr std::size_t kMostListed = 3;
   std::vector<const RecordScore*> unseen;
-  for (const auto& score : verdict.comparison.fit)
+  for (const auto& score : verdict.evaluation.fit)
     if (score.use == "held_out") unseen.push_back(&score);
   if (unseen.empty()) return "no record was held out to prove it";
   if (unseen.size() == 1)
@@ -72,14 +72,14 @@ std::string errors_of(const Verdict& verdict) {
       unseen.begin(), unseen.end(),
       [](const auto* a, const auto* b) { return a->nrmse_after < b->nrmse_after; });
   return fmt::format("on {} unseen records the error {}, at worst {} ({})", unseen.size(),
-                     change(verdict.comparison.proof.before, verdict.comparison.proof.after),
+                     change(verdict.evaluation.proof.before, verdict.evaluation.proof.after),
                      course(worst->nrmse_before, worst->nrmse_after), worst->record);
 }
 
 // "what is left is 31 times the sensors' noise, and systematic"
 std::string rest_of(const Verdict& verdict) {
   constexpr double kNoise = 1.1;
-  const ProofSummary& proof = verdict.comparison.proof;
+  const ProofSummary& proof = verdict.evaluation.proof;
   const double times = proof.after / proof.floor;
   if (!(times < 1e6)) return "the sensors' noise is not known";
   const std::string noise = proof.has_noise_at_rest ? "the sensors' noise" : "the guessed noise";
@@ -133,16 +133,16 @@ std::string of_force(const Verdict& verdict) {
 }
 
 std::string none_sentence(const Verdict& verdict) {
-  return verdict.comparison.proof_record.empty()
+  return verdict.evaluation.proof_record.empty()
              ? "Nothing is missing: the residual is noise."
              : fmt::format("Nothing is missing: the residual is noise; {}.", errors_of(verdict));
 }
 
 // The errors of the proof, and the share of their energy that is explained.
 std::string proof_of(const Verdict& verdict) {
-  if (verdict.comparison.proof_record.empty()) return errors_of(verdict);
+  if (verdict.evaluation.proof_record.empty()) return errors_of(verdict);
   return fmt::format("{} ({} of the unexplained energy{}); {}", errors_of(verdict),
-                     share_text(verdict.comparison.proof.explained), of_force(verdict),
+                     share_text(verdict.evaluation.proof.explained), of_force(verdict),
                      rest_of(verdict));
 }
 

@@ -160,7 +160,7 @@ std::string channel_of(const Problem& problem, const Seen& seen) {
 
 }  // namespace
 
-Where where_of(const Investigation& found, const MapRange& range) {
+Where where_of(const RelationFindings& found, const MapRange& range) {
   // The stated model without named terms, fitted to this record alone. A wrong hysteresis rule
   // would hide other effects, so the right one is included.
   const Selection& selection = found.selection;
@@ -189,9 +189,9 @@ Where where_of(const Investigation& found, const MapRange& range) {
   return where;
 }
 
-MatrixXd excess_of(const Supposition& supposition, std::size_t record) {
-  const MatrixXd white = supposition.whitened(record);
-  const Drive& drive = supposition.problem().drive(record);
+MatrixXd excess_of(const TestedHypothesis& tested, std::size_t record) {
+  const MatrixXd white = tested.whitened(record);
+  const Drive& drive = tested.problem().drive(record);
   const auto half =
       std::max<Index>(1, static_cast<Index>(std::round(kCellTime / drive.time_step / 2)));
   MatrixXd excess(white.rows(), white.cols());

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <rths/cases/case.hpp>
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 #include <rths/verdict/verdict.hpp>
 
 namespace rths::diagnosis {
@@ -10,9 +10,9 @@ namespace rths::diagnosis {
 /// Maps the mismatch on the first record over time, frequency and state: the energy of the
 /// named terms' contribution, if they explain all, else the energy beyond the noise of the residual
 /// without them.
-[[nodiscard]] Where where_of(const Investigation& found, const MapRange& range);
+[[nodiscard]] Where where_of(const RelationFindings& found, const MapRange& range);
 
 /// Share of the excess energy at each row, for colours: rows × outputs, smoothed over a cell.
-[[nodiscard]] Eigen::MatrixXd excess_of(const Supposition& supposition, std::size_t record);
+[[nodiscard]] Eigen::MatrixXd excess_of(const TestedHypothesis& tested, std::size_t record);
 
 }  // namespace rths::diagnosis

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 
 namespace rths::diagnosis {
 
@@ -47,7 +47,7 @@ struct NextTest {
 /// the test that covers most evenly the state on which the residual depends.
 /// @param is_bearing  the specimen is a bearing, which the laboratory can remove
 /// @param is_unknown  no candidate is named that explains the residual
-[[nodiscard]] NextTest next_test(const std::vector<std::unique_ptr<Investigation>>& all,
+[[nodiscard]] NextTest next_test(const std::vector<std::unique_ptr<RelationFindings>>& all,
                                  bool is_bearing, bool is_unknown);
 
 }  // namespace rths::diagnosis

@@ -31,6 +31,6 @@ struct Description {
 /// predicted quantities, a lasting sine, held samples, a sudden change. Best first, by the share of
 /// the energy beyond the noise that each explains. Curves, surfaces and sines are fitted to one
 /// fold and explain the other; held samples and changes are found on each record.
-[[nodiscard]] std::vector<Description> describe(const Supposition& supposition, const Folds& folds);
+[[nodiscard]] std::vector<Description> describe(const TestedHypothesis& tested, const Folds& folds);
 
 }  // namespace rths::diagnosis

@@ -88,12 +88,12 @@ class Problem {
 
 /// A hypothesis applied to the records of a problem. Its whitened residuals are white if it is
 /// right.
-class Supposition {
+class TestedHypothesis {
  public:
   /// @throws Error if there is no prediction at the hypothesis' values
-  Supposition(const Problem& problem, Hypothesis hypothesis);
-  /// The same, with what the simulators of another supposition about the problem keep.
-  Supposition(const Supposition& like, Hypothesis hypothesis);
+  TestedHypothesis(const Problem& problem, Hypothesis hypothesis);
+  /// The same, with what the simulators of another tested about the problem keep.
+  TestedHypothesis(const TestedHypothesis& like, Hypothesis hypothesis);
 
   [[nodiscard]] const Hypothesis& hypothesis() const { return hypothesis_; }
   [[nodiscard]] const Problem& problem() const { return *problem_; }

@@ -24,12 +24,12 @@ struct RecordScore {
 /// may have and is no error. An effect that is an offset counts, because all models have the same
 /// zeros. Empty where offsets are free: then each model has its own.
 using Zeros = std::vector<Eigen::RowVectorXd>;
-[[nodiscard]] Zeros zeros_of(const Supposition& named);
+[[nodiscard]] Zeros zeros_of(const TestedHypothesis& named);
 
 /// Error of a hypothesis on a record: root mean square over the standard deviation of the
 /// measurement. Outputs of different units count alike.
 /// @returns NaN if there is no prediction
-[[nodiscard]] double nrmse(const Supposition& supposition, std::size_t record, const Zeros& zeros);
+[[nodiscard]] double nrmse(const TestedHypothesis& tested, std::size_t record, const Zeros& zeros);
 
 /// The error that the sensors' noise alone causes, in the same unit.
 [[nodiscard]] double nrmse_of_noise(const Problem& problem, std::size_t record);
@@ -40,7 +40,7 @@ struct Whiteness {
   double bound = 0;                 ///< 95 % of the lags of noise lie within ± this
   bool is_white = false;            ///< passes the test of Ljung & Box (1978)
 };
-[[nodiscard]] Whiteness whiteness_of(const Supposition& named, std::size_t record);
+[[nodiscard]] Whiteness whiteness_of(const TestedHypothesis& named, std::size_t record);
 
 /// Errors of all records that were not used before; of the fitted records if there are none.
 struct Proof {

@@ -28,7 +28,7 @@ struct Screened {
 /// signature with the residual, both without the part that the free parameters of the base can
 /// reproduce. Best first.
 /// @param base  fitted to the fold
-[[nodiscard]] std::vector<Screened> screen(const Supposition& base, const Fold& fold,
+[[nodiscard]] std::vector<Screened> screen(const TestedHypothesis& base, const Fold& fold,
                                            const std::vector<Candidate>& candidates);
 
 }  // namespace rths::diagnosis

@@ -16,7 +16,7 @@ struct Folds {
 };
 
 /// A candidate that was fitted on one fold and scored on the other, both ways.
-struct Contender {
+struct ScoredCandidate {
   Candidate candidate;
   Hypothesis fitted;                ///< on the first fold
   double gain = 0;                  ///< over both folds [nat]
@@ -28,16 +28,17 @@ struct Contender {
 /// An accepted candidate, and the others: as extensions of the model that has all other accepted
 /// candidates.
 struct SelectionRound {
-  Contender chosen;
-  std::vector<Contender> tied;  ///< not significantly worse, or worse by less than 1 % of the gain
-  std::vector<Contender> others;  ///< the rest, best first
+  ScoredCandidate chosen;
+  std::vector<ScoredCandidate>
+      tied;  ///< not significantly worse, or worse by less than 1 % of the gain
+  std::vector<ScoredCandidate> others;  ///< the rest, best first
 };
 
 /// The terms that a relation lacks.
 struct Selection {
   std::vector<SelectionRound> rounds;  ///< accepted candidates, in order, hysteresis rules last
-  std::vector<Contender> first;        ///< of the round in which the first was accepted
-  std::vector<Contender> last;         ///< of the round in which none was accepted
+  std::vector<ScoredCandidate> first;  ///< of the round in which the first was accepted
+  std::vector<ScoredCandidate> last;   ///< of the round in which none was accepted
   Hypothesis base;                     ///< fitted to both folds
   Hypothesis ruled;                    ///< the base with the accepted hysteresis rules only
   Hypothesis named;                    ///< the base with all accepted candidates

@@ -12,7 +12,7 @@
 #include <rths/identification/forms.hpp>
 #include <rths/identification/hypothesis.hpp>
 #include <rths/identification/intervals.hpp>
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 
 namespace rths::diagnosis {
 
@@ -134,7 +134,7 @@ struct Conclusion {
 };
 
 /// Simulation and measurement of the relation that is shown, without and with the named terms.
-struct Comparison {
+struct Evaluation {
   std::vector<RecordScore> fit;
   std::vector<Refitted> refitted;
   ProofSummary proof;
@@ -162,7 +162,7 @@ struct NoiseBasis {
 };
 
 /// The simulation with the named causes.
-struct Improvement {
+struct ImprovedModel {
   std::string fragment;  ///< TOML of the improved model, for experiments
   CaseSource source;     ///< the improved case, and experiment; empty: none
 };
@@ -172,7 +172,7 @@ struct Verdict {
   std::string case_name;
   std::string sentence;  ///< the summary
   Conclusion conclusion;
-  Comparison comparison;
+  Evaluation evaluation;
   std::vector<Ablation> ablation;
   std::vector<Description> descriptions;  ///< best first
   std::vector<Evidence> evidence;         ///< best first, of the first term
@@ -180,7 +180,7 @@ struct Verdict {
   ProposedTest next;
   NoiseBasis noise;
   std::vector<std::string> limits;  ///< missing channels, source of the noise, unvisited states
-  Improvement improvement;
+  ImprovedModel improvement;
   budget::MismatchBudget budget;  ///< of the response of a run; empty: none
   bool synthetic = false;         ///< the recordings come from models, not from a laboratory
   double seconds = 0;             ///< run time

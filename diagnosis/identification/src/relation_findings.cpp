@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -22,13 +22,13 @@ bool has_line(const Relation& relation, const SensorNoise& noise) {
 }
 
 // Whether a form, and not only part of it, describes what remains.
-bool has_form(const Investigation& found) {
+bool has_form(const RelationFindings& found) {
   return !found.descriptions.empty() && found.descriptions[0].share > kHasForm;
 }
 
 // The largest variance of the whitened residual of a single record.
-double largest_variance(const Investigation& found) {
-  const Supposition named{*found.problem, found.selection.named};
+double largest_variance(const RelationFindings& found) {
+  const TestedHypothesis named{*found.problem, found.selection.named};
   double largest = found.proof.variance();
   for (std::size_t i = 0; i < found.problem->records(); ++i)
     largest = std::max(largest, named.variance(compared(*found.problem, {i})));
@@ -36,7 +36,7 @@ double largest_variance(const Investigation& found) {
 }
 
 // Of terms beside which others have been withdrawn.
-void renew_ties(Investigation& found) {
+void renew_ties(RelationFindings& found) {
   if (found.withdrawn.empty() || !found.is_named()) return;
   std::vector<Candidate> withdrawn;
   for (const auto& one : found.withdrawn) withdrawn.push_back(one.candidate);
@@ -44,7 +44,7 @@ void renew_ties(Investigation& found) {
 }
 
 // The proof of the named model on the held-out records, and the form of what remains.
-void prove(Investigation& found, Progress& progress) {
+void prove(RelationFindings& found, Progress& progress) {
   progress.begin_stage("proof");
   if (found.held_out) found.held_out->renew_noise(found.selection.named);
   found.proof = found.held_out ? proof_of(*found.held_out, found.selection, true)
@@ -52,12 +52,13 @@ void prove(Investigation& found, Progress& progress) {
   progress.begin_stage("form of the residual");
   found.descriptions.clear();
   if (found.has_remainder())
-    found.descriptions = describe(Supposition{*found.problem, found.selection.named}, found.folds);
+    found.descriptions =
+        describe(TestedHypothesis{*found.problem, found.selection.named}, found.folds);
 }
 
 // An unknown effect resembles terms of the catalogue in part. Those that leave more than half of
 // the residual, in the mean of the fit and the proof, are no causes.
-void withdraw_resemblances(Investigation& found, Progress& progress) {
+void withdraw_resemblances(RelationFindings& found, Progress& progress) {
   if (!found.is_named() || !found.is_unknown()) return;
   if (found.selection.explained() + found.proof.explained() >= 2 * kMostly) return;
   auto all = withdraw_all(*found.problem, found.folds, "most of the residual remains unknown",
@@ -68,13 +69,13 @@ void withdraw_resemblances(Investigation& found, Progress& progress) {
 
 }  // namespace
 
-bool Investigation::has_remainder() const {
+bool RelationFindings::has_remainder() const {
   const double rest = selection.variance_named - 1;
   return proof.is_systematic() || rest > std::max(0.15, 0.005 * (selection.variance_ruled - 1)) ||
          (rest > 0.05 && selection.explained() < kExplained);
 }
 
-bool Investigation::is_unknown() const {
+bool RelationFindings::is_unknown() const {
   const double explained = std::min(selection.explained(), proof.explained());
   if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
@@ -87,11 +88,11 @@ bool Investigation::is_unknown() const {
          });
 }
 
-std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
-                                           const std::vector<Record>& records,
-                                           const SensorNoise& noise, std::uint64_t seed,
-                                           Progress& progress) {
-  auto found = std::make_unique<Investigation>();
+std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
+                                          const std::vector<Record>& records,
+                                          const SensorNoise& noise, std::uint64_t seed,
+                                          Progress& progress) {
+  auto found = std::make_unique<RelationFindings>();
   found->relation = std::move(relation);
   found->noise = &noise;
   found->seed = seed;

@@ -11,7 +11,7 @@
 namespace rths::diagnosis {
 
 /// One relation of a case, and the findings about it.
-struct Investigation {
+struct RelationFindings {
   std::unique_ptr<Relation> relation;
   const SensorNoise* noise;
   std::uint64_t seed;
@@ -32,10 +32,10 @@ struct Investigation {
   [[nodiscard]] bool is_unknown() const;
 };
 
-/// Investigates a relation of a case. The noise must outlive the result.
-[[nodiscard]] std::unique_ptr<Investigation> investigate(std::unique_ptr<Relation> relation,
-                                                         const std::vector<Record>& records,
-                                                         const SensorNoise& noise,
-                                                         std::uint64_t seed, Progress& progress);
+/// Examines a relation of a case. The noise must outlive the result.
+[[nodiscard]] std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
+                                                        const std::vector<Record>& records,
+                                                        const SensorNoise& noise,
+                                                        std::uint64_t seed, Progress& progress);
 
 }  // namespace rths::diagnosis

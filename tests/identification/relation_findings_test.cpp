@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/identification/investigation.hpp>
+#include <rths/identification/relation_findings.hpp>
 
 #include <cmath>
 #include <memory>
@@ -14,12 +14,12 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr Index kInvestigatedRows = 900;
-constexpr double kInvestigatedStep = 0.05;
+constexpr Index kExaminedRows = 900;
+constexpr double kExaminedStep = 0.05;
 
 /// Three records, the last one held out, of two effects: `named`, which is a candidate, and
 /// `unknown`, which is none. Noise of variance 1, unless grown.
-struct Investigated {
+struct Examined {
   double named = 0, unknown = 0;
   double noise = 1;                  ///< its deviation
   double unknown_scored = NAN;       ///< of the second record; NAN: as on the first
@@ -27,15 +27,15 @@ struct Investigated {
   std::vector<Record> records = {};  // NOLINT(readability-redundant-member-init): cases omit it
   std::unique_ptr<SensorNoise> sensors = nullptr;
 
-  [[nodiscard]] std::unique_ptr<Investigation> found() {
+  [[nodiscard]] std::unique_ptr<RelationFindings> found() {
     for (const int i : {0, 1, 2}) {
-      const VectorXd signal = sine_of(3 + i, kInvestigatedRows);
+      const VectorXd signal = sine_of(3 + i, kExaminedRows);
       const double other = i == 0 ? NAN : i == 1 ? unknown_scored : unknown_held_out;
       const double rest = std::isnan(other) ? unknown : other;
-      const VectorXd measured = named * signal + rest * sine_of(11 + i, kInvestigatedRows) +
-                                noise * gauss(kInvestigatedRows, 1, 40 + unsigned(i));
+      const VectorXd measured = named * signal + rest * sine_of(11 + i, kExaminedRows) +
+                                noise * gauss(kExaminedRows, 1, 40 + unsigned(i));
       records.push_back(linear_record("record " + std::to_string(i),
-                                      i == 0 ? Use::Fit : Use::HeldOut, kInvestigatedStep, measured,
+                                      i == 0 ? Use::Fit : Use::HeldOut, kExaminedStep, measured,
                                       {{"x.coefficient", signal}}));
     }
     auto relation = std::make_unique<LinearRelation>();
@@ -45,12 +45,12 @@ struct Investigated {
     sensors = std::make_unique<SensorNoise>(
         all, std::vector<std::pair<std::string, double>>{{"output.0", 1}});
     Progress progress;
-    return investigate(std::move(relation), records, *sensors, 1, progress);
+    return examine(std::move(relation), records, *sensors, 1, progress);
   }
 };
 
-TEST(Investigation, OfNoiseFindsNothing) {
-  Investigated noise;
+TEST(RelationFindings, OfNoiseFindsNothing) {
+  Examined noise;
   const auto found = noise.found();
 
   EXPECT_FALSE(found->is_named());
@@ -60,8 +60,8 @@ TEST(Investigation, OfNoiseFindsNothing) {
 }
 
 // The first record is fitted, the second scores, the third proves.
-TEST(Investigation, NamesAnEffectAndProvesItOnTheRecordThatWasKeptBack) {
-  Investigated effect{.named = 2};
+TEST(RelationFindings, NamesAnEffectAndProvesItOnTheRecordThatWasKeptBack) {
+  Examined effect{.named = 2};
   const auto found = effect.found();
 
   ASSERT_TRUE(found->is_named());
@@ -78,8 +78,8 @@ TEST(Investigation, NamesAnEffectAndProvesItOnTheRecordThatWasKeptBack) {
 }
 
 // Variances of the residual: 1 of noise and 4 of the rest.
-TEST(Investigation, OfAnEffectThatIsNoCandidateIsUnknown) {
-  Investigated rest{.unknown = 2};
+TEST(RelationFindings, OfAnEffectThatIsNoCandidateIsUnknown) {
+  Examined rest{.unknown = 2};
   const auto found = rest.found();
 
   EXPECT_FALSE(found->is_named());
@@ -91,8 +91,8 @@ TEST(Investigation, OfAnEffectThatIsNoCandidateIsUnknown) {
 
 // Beside an unknown rest, a candidate that explains 80 % of the residual is named, and one that
 // explains 20 % only resembles part of the effect.
-TEST(Investigation, NamesBesideAnUnknownEffectOnlyWhatExplainsMost) {
-  Investigated most{.named = 4, .unknown = 2}, little{.named = 2, .unknown = 4};
+TEST(RelationFindings, NamesBesideAnUnknownEffectOnlyWhatExplainsMost) {
+  Examined most{.named = 4, .unknown = 2}, little{.named = 2, .unknown = 4};
   const auto named = most.found(), unknown = little.found();
 
   EXPECT_TRUE(named->is_unknown());
@@ -107,9 +107,9 @@ TEST(Investigation, NamesBesideAnUnknownEffectOnlyWhatExplainsMost) {
 }
 
 // A residual of the variance 1 + 1.3² in one record is an event; 1 + 0.7² may be noise.
-TEST(Investigation, OfAnEventOfOneRecordIsUnknown) {
+TEST(RelationFindings, OfAnEventOfOneRecordIsUnknown) {
   for (const double size : {0.7, 1.3}) {
-    Investigated event{.unknown = size, .unknown_scored = 0, .unknown_held_out = 0};
+    Examined event{.unknown = size, .unknown_scored = 0, .unknown_held_out = 0};
     const auto found = event.found();
 
     EXPECT_FALSE(found->is_named());
@@ -129,7 +129,7 @@ class TwoOutputs final : public LinearRelation {
     return all;
   }
   static Eigen::MatrixXd of_sensors(unsigned seed) {
-    return gauss(kInvestigatedRows, 2, seed) * VectorXd{{1, 0.1}}.asDiagonal();
+    return gauss(kExaminedRows, 2, seed) * VectorXd{{1, 0.1}}.asDiagonal();
   }
 
  private:
@@ -142,34 +142,34 @@ bool is_unknown_beside(bool has_line_at_rest) {
   std::vector<Record> records, rests;
   for (const unsigned i : {0U, 1U, 2U}) {
     Eigen::MatrixXd measured = TwoOutputs::of_sensors(40 + i);
-    measured.col(0) += std::sqrt(0.8) * sine_of(90, kInvestigatedRows);
+    measured.col(0) += std::sqrt(0.8) * sine_of(90, kExaminedRows);
     records.push_back(linear_record("record " + std::to_string(i), i == 0 ? Use::Fit : Use::HeldOut,
-                                    kInvestigatedStep, measured, {}));
+                                    kExaminedStep, measured, {}));
     Eigen::MatrixXd at_rest = TwoOutputs::of_sensors(60 + i);
-    if (has_line_at_rest) at_rest.col(0) += std::sqrt(0.8) * sine_of(90, kInvestigatedRows);
-    rests.push_back(linear_record("rest", Use::Reference, kInvestigatedStep, at_rest, {}));
-    rests.back().quiet = {0, kInvestigatedRows};
+    if (has_line_at_rest) at_rest.col(0) += std::sqrt(0.8) * sine_of(90, kExaminedRows);
+    rests.push_back(linear_record("rest", Use::Reference, kExaminedStep, at_rest, {}));
+    rests.back().quiet = {0, kExaminedRows};
   }
   std::vector<const Record*> all;
   for (const auto& record : records) all.push_back(&record);
   for (const auto& rest : rests) all.push_back(&rest);
   const SensorNoise sensors{all, {}};
   Progress progress;
-  const auto found = investigate(std::make_unique<TwoOutputs>(), records, sensors, 1, progress);
+  const auto found = examine(std::make_unique<TwoOutputs>(), records, sensors, 1, progress);
   EXPECT_EQ(sensors.lines().empty(), !has_line_at_rest);
   EXPECT_TRUE(found->proof.is_systematic());
   EXPECT_NEAR(found->proof.variance(), 1.4, 0.1);
   return found->is_unknown();
 }
 
-TEST(Investigation, OfALineAtRestIsUnknown) {
+TEST(RelationFindings, OfALineAtRestIsUnknown) {
   EXPECT_TRUE(is_unknown_beside(true));
   EXPECT_FALSE(is_unknown_beside(false));
 }
 
 // 99 % is explained; the rest, of variance 1, is reported and does not take the name back.
-TEST(Investigation, NamesAnEffectBesideASmallRemainder) {
-  Investigated both{.named = 10, .unknown = 1};
+TEST(RelationFindings, NamesAnEffectBesideASmallRemainder) {
+  Examined both{.named = 10, .unknown = 1};
   const auto found = both.found();
 
   ASSERT_TRUE(found->is_named());
@@ -177,8 +177,8 @@ TEST(Investigation, NamesAnEffectBesideASmallRemainder) {
   EXPECT_FALSE(found->is_unknown());
 }
 
-TEST(Investigation, IsUnknownIfTheNamedTermExplainsLittle) {
-  Investigated both{.named = 1, .unknown = 3};
+TEST(RelationFindings, IsUnknownIfTheNamedTermExplainsLittle) {
+  Examined both{.named = 1, .unknown = 3};
   const auto found = both.found();
 
   EXPECT_TRUE(found->has_remainder());
@@ -186,8 +186,8 @@ TEST(Investigation, IsUnknownIfTheNamedTermExplainsLittle) {
 }
 
 // White noise that is stronger than stated: variance 1.3. It is reported, and it is no effect.
-TEST(Investigation, TakesALittleMoreNoiseForNoise) {
-  Investigated noisy{.noise = std::sqrt(1.3)};
+TEST(RelationFindings, TakesALittleMoreNoiseForNoise) {
+  Examined noisy{.noise = std::sqrt(1.3)};
   const auto found = noisy.found();
 
   EXPECT_TRUE(found->has_remainder());
@@ -195,8 +195,8 @@ TEST(Investigation, TakesALittleMoreNoiseForNoise) {
 }
 
 // Only the largest record counts: an event on the held-out record is not noise.
-TEST(Investigation, IsUnknownIfOnlyTheHeldOutRecordAndTheNoiseDiffer) {
-  Investigated event{.unknown = 1, .unknown_held_out = 3};
+TEST(RelationFindings, IsUnknownIfOnlyTheHeldOutRecordAndTheNoiseDiffer) {
+  Examined event{.unknown = 1, .unknown_held_out = 3};
   const auto found = event.found();
 
   EXPECT_TRUE(found->is_unknown());
