@@ -4,8 +4,7 @@
 # Each include/ is a separate root, so includes from a folder that is not in DEPENDS do not compile.
 # INTERNAL libraries are not installed; only programs of this project use them.
 # SEPARATE sources are never compiled together, because their third-party headers clash.
-# MATHS libraries are optimized under sanitizers too, unless RTHS_TESTED omits their tests: without, these take ten times
-# as long.
+# MATHS libraries are optimized under sanitizers too: without, their tests take ten times as long.
 function(rths_add folder)
   cmake_parse_arguments(PARSE_ARGV 1 arg "INTERNAL;SEPARATE;MATHS" "" "SOURCES;DEPENDS;PRIVATE")
   set(target rths_${folder})
@@ -20,7 +19,7 @@ function(rths_add folder)
   if(NOT arg_SEPARATE)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ${RTHS_UNITY} UNITY_BUILD_BATCH_SIZE ${RTHS_BATCH})
   endif()
-  if(arg_MATHS AND RTHS_SANITIZER AND NOT RTHS_TESTED)
+  if(arg_MATHS AND RTHS_SANITIZER)
     target_compile_options(${target} PRIVATE -O2)
   else()
     rths_use_precompiled(${target} rths_library_headers)
@@ -31,14 +30,18 @@ function(rths_add folder)
   endif()
 endfunction()
 
-# rths_test(<folder> [MATHS] [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>])
+# rths_test(<folder> [MATHS] [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>]
+#           [THREADS <patterns of tests>] [NOT_SANITIZED <reason>])
 #
 # The tests of a folder as one executable; each TEST is a ctest case. MATHS tests are optimized, as are those with the
 # label physics or realtime: the linker may take their copy of a template for the libraries too. PURE tests are
-# independent MATHS: under sanitizers, where processes start slowly, they run as four cases. If RTHS_TESTED names folders,
-# the others are neither built nor registered. The target rths_tested builds all that are registered.
+# independent MATHS: under sanitizers, where processes start slowly, they run as four cases. The target rths_tested builds
+# all that are registered.
+#
+# THREADS: tests in which threads of one process share data. The thread sanitizer runs these alone: it sees no other process,
+# and finds nothing in one thread. NOT_SANITIZED: no sanitizer runs the target, for this reason.
 function(rths_test folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "MATHS;PURE;SEPARATE" "LABEL;TIMEOUT" "SOURCES;DEPENDS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "MATHS;PURE;SEPARATE" "LABEL;TIMEOUT;NOT_SANITIZED" "SOURCES;DEPENDS;THREADS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
   if(NOT arg_SEPARATE)
@@ -55,8 +58,13 @@ function(rths_test folder)
     # Built more often than run; the libraries have the preset's optimization.
     rths_compile_test(${target} rths_test_headers -O0)
   endif()
-  if(RTHS_TESTED AND NOT folder IN_LIST RTHS_TESTED)
+  if(arg_LABEL STREQUAL "realtime" AND NOT arg_NOT_SANITIZED)
+    set(arg_NOT_SANITIZED "in real time, for which a sanitizer is too slow")
+  endif()
+  rths_reason_not_to_run("${arg_THREADS}" "${arg_NOT_SANITIZED}" reason)
+  if(reason)
     set_target_properties(${target} PROPERTIES EXCLUDE_FROM_ALL ON)
+    file(APPEND ${CMAKE_BINARY_DIR}/not_run.txt "${folder}: ${reason}\n")
     return()
   endif()
   add_dependencies(rths_tested ${target})
@@ -85,8 +93,24 @@ function(rths_test folder)
     set(environment
         ENVIRONMENT "LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/tests/leaks_on_purpose.txt:print_suppressions=0")
   endif()
-  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60
+  set(filter)
+  if(RTHS_SANITIZER STREQUAL "thread")
+    list(JOIN arg_THREADS ":" filter)
+    set(filter TEST_FILTER ${filter})
+  endif()
+  gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 ${filter}
                        PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone} ${environment})
+endfunction()
+
+# Why the sanitizer of this build does not run a target; empty: it runs it.
+function(rths_reason_not_to_run threads not_sanitized result)
+  set(reason)
+  if(RTHS_SANITIZER AND not_sanitized)
+    set(reason "${not_sanitized}")
+  elseif(RTHS_SANITIZER STREQUAL "thread" AND NOT threads)
+    set(reason "no threads of one process share data")
+  endif()
+  set(${result} "${reason}" PARENT_SCOPE)
 endfunction()
 
 # Under sanitizers, all tests have the preset's optimization.

@@ -11,7 +11,6 @@ option(RTHS_UNITY "Compile a dozen sources at once, with precompiled headers: a 
 set(RTHS_BATCH 12 CACHE STRING "Sources of a library that are compiled at once with RTHS_UNITY; 0: all of them")
 option(RTHS_BENCHMARKS "Build rths-bench and the programs that the ring is compared with; their tests need RTHS_TESTS, too" ${RTHS_TESTS})
 option(RTHS_PYTHON "Build the Python package" OFF)
-set(RTHS_TESTED "" CACHE STRING "Folders whose tests are built, as rths_test names them; empty: all")
 set(RTHS_SANITIZER "" CACHE STRING "Sanitizers, as the argument of -fsanitize")
 
 # Warnings apply to sources of this project only, not to programs that link to it.
