@@ -5,6 +5,7 @@
 // recording (the file to write). A recorder then has the words of the laboratory's map.
 #include <rths_adapter.hpp>
 
+#include <rths/adapters/adapter.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/key_value.hpp>

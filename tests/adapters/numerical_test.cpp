@@ -139,7 +139,7 @@ TEST(Numerical, StartsWithATargetForAnOlderController) {
 
 TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
   NumericalSettings s = numerical_settings();
-  s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
+  s.computing_time = experiment::ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
   double displayed = 0;
@@ -157,7 +157,7 @@ TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
 
 TEST(Numerical, TakesTheModelledComputingTimeInVirtualTime) {
   NumericalSettings s = numerical_settings();
-  s.computing_time = ComputingTime{0.003, 0, 0, 0, 1};
+  s.computing_time = experiment::ComputingTime{0.003, 0, 0, 0, 1};
   const auto solver = make_numerical(s);
   test::Bench bench{*solver};
   bench.in("daq.atTarget") = 1;
@@ -175,7 +175,7 @@ TEST(Numerical, TakesTheModelledComputingTimeInVirtualTime) {
 TEST(Numerical, OverrunsWithTheGivenFrequency) {
   NumericalSettings s = numerical_settings();
   s.duration = 5;
-  s.computing_time = ComputingTime{0.003, 0.1, 0.25, 0.006, 9};
+  s.computing_time = experiment::ComputingTime{0.003, 0.1, 0.25, 0.006, 9};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
   int overruns = 0;
@@ -235,7 +235,7 @@ TEST(Numerical, SignalsTheStopBeforeItFinishes) {
 TEST(Numerical, PlaysADisplacementHistory) {
   NumericalSettings s = numerical_settings();
   s.duration = 0.05;
-  s.history = DisplacementHistory{0.02, {0, 0.2, 0.4, 0.3}, {0, -0.1, 0, 0}};
+  s.history = experiment::DisplacementHistory{0.02, {0, 0.2, 0.4, 0.3}, {0, -0.1, 0, 0}};
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
   std::vector<double> targets;

@@ -103,7 +103,7 @@ TEST(SrmdPlatenNode, ReadsMachineMemberAndChanges) {
   EXPECT_NE(refusal("family_member = 201").find("family_member"), std::string::npos);
   EXPECT_NE(refusal("[changes.supply]\npressure_Pa = -1").find("n.toml:3"), std::string::npos);
   EXPECT_NE(refusal("[changes.suply]\npressure_Pa = 1").find("suply"), std::string::npos);
-  TestSetup setup;
+  experiment::TestSetup setup;
   setup.axes = {"long", "lat"};
   setup.specimen = test::plain_lead_rubber();
   const auto settings = read_srmd(
