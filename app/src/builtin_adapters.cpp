@@ -16,15 +16,15 @@
 namespace rths::app {
 namespace {
 
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
-using experiment::TestSetup;
 
 // A given history needs no OpenSees: the project's own solver imposes it.
-NodeSettings read_opensees(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_opensees(const std::string& node, const Config& table, const Experiment& setup) {
   NodeSettings settings = adapters::read_opensees_node(node, table, setup);
   settings.make = [make = settings.make, handshake = adapters::read_handshake(table)](
-                      const TestSetup& test, const NodeContext& context) {
+                      const Experiment& test, const NodeContext& context) {
     return test.history ? adapters::make_numerical_node(test, context, handshake)
                         : make(test, context);
   };
@@ -32,12 +32,12 @@ NodeSettings read_opensees(const std::string& node, const Config& table, const T
 }
 
 // Nor does it need a user's own solver.
-NodeSettings read_external(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_external(const std::string& node, const Config& table, const Experiment& setup) {
   NodeSettings settings = adapters::read_external(node, table, setup);
   const NodeSettings solver = adapters::read_numerical(node, Config{}, setup);
   settings.make = solver.make;
   settings.schedule = solver.schedule;
-  settings.has_computing_time = settings.waits_for_flags = true;
+  settings.solver.has_computing_time = settings.solver.waits_for_flags = true;
   settings.machine_table = experiment::MachineTable::Model;
   return settings;
 }

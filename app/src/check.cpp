@@ -57,7 +57,7 @@ int check_experiment(const std::string& file, const experiment::Overrides& chang
   launch::check_assembly(experiment);
   check_sizes(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
-             experiment.nodes.size(), experiment.duration, experiment.motion_name);
+             experiment.nodes.size(), experiment.time.duration, experiment.earthquake.name);
   if (!experiment.history) fmt::print("{}\n", experiment::describe_motion(experiment));
   return kOk;
 }
@@ -126,7 +126,7 @@ int check_machine(const std::string& file, const Config& config) {
 int check_limits(const std::string& file) {
   Config table;
   table.put("file", std::filesystem::absolute(file).string());
-  experiment::TestSetup setup;
+  experiment::Experiment setup;
   setup.axes = {"long", "lat"};
   static_cast<void>(adapters::with_safety({}, table, setup));
   fmt::print("{}: limits of a safety layer; [node.srmd.safety] file = names it\n", file);

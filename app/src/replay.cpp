@@ -151,7 +151,7 @@ Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) 
                     arguments.node)};
   table.put("file", std::filesystem::absolute(arguments.library).string());
   if (!table.has("role")) table.put("role", std::string{"machine"});
-  const experiment::TestSetup setup;
+  const experiment::Experiment setup;
   const auto settings = fmi::read_fmu(arguments.node, table, setup);
   const double period = table.number("period_s", to_seconds(settings.schedule.period));
   const auto& time = run.time();

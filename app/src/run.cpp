@@ -74,7 +74,7 @@ bool has_adapter(const experiment::Experiment& experiment, const char* adapter) 
 void check_host(const RunArguments& arguments, const experiment::Experiment& experiment) {
   if (arguments.host.empty()) return;
   std::vector<std::string> known;
-  for (const auto& host : experiment.hosts) known.push_back(host.name);
+  for (const auto& host : experiment.network.hosts) known.push_back(host.name);
   if (contains(known, arguments.host)) return;
   throw Error{fmt::format("{}: has no host '{}', {}", arguments.experiment, arguments.host,
                           known.empty()
@@ -307,7 +307,7 @@ std::string reason_to_repeat(const RunArguments& arguments,
                              const experiment::Experiment& experiment,
                              const launch::RunOutcome& outcome,
                              const std::filesystem::path& recording) {
-  const bool is_possible = arguments.repeats_late && experiment.hosts.empty() &&
+  const bool is_possible = arguments.repeats_late && experiment.network.hosts.empty() &&
                            !experiment.has_user_program() && !experiment.history;
   if (!is_possible || outcome.interrupted || outcome.stopped_early) return "";
   try {

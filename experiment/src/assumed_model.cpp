@@ -12,7 +12,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/improvement.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/machine_table.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::experiment {

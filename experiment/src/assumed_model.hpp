@@ -1,21 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include <rths/core/config.hpp>
-#include <rths/sim/bearing.hpp>
-#include <rths/sim/test_machine.hpp>
+#include <rths/experiment/parts.hpp>
 
 namespace rths::experiment {
-
-/// The model of specimen and machine that the simulation assumes.
-struct AssumedModel {
-  sim::Bearing bearing;      ///< in place of the specimen
-  sim::TestMachine machine;  ///< in place of the machine
-  std::string text;          ///< [model] of a case as TOML: bearing, machine, fitted parameters
-  std::string specimen;      ///< the bearing as TOML; empty without a specimen
-};
 
 /// Reads [model]. Its tables `specimen` and `machine` hold the differences between model and
 /// laboratory; `fitted` lists the fitted parameters. The files of `improvement` hold tables of the

@@ -12,8 +12,9 @@
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/experiment/check.hpp>
-#include <rths/experiment/test_setup.hpp>
 #include <rths/sim/oscillator.hpp>
+
+#include "tables.hpp"
 
 namespace rths::experiment {
 namespace {

@@ -70,22 +70,23 @@ void check_history(const Experiment& experiment, std::vector<std::string>& remar
 
 // The period of the weight on the specimen tells a stiffness in kN/m.
 void check_specimen(const Experiment& experiment) {
-  const double stiffness = sim::initial_stiffness(experiment.model);
-  const double mass = experiment.model.axial_load / kStandardGravity;
+  const double stiffness = sim::initial_stiffness(experiment.model.bearing);
+  const double mass = experiment.model.bearing.axial_load / kStandardGravity;
   if (!(stiffness > 0) || !(mass > 0)) return;
   const double period = 2 * std::numbers::pi * std::sqrt(mass / stiffness);
   if (period > kLongestPeriod)
-    fail(experiment,
-         fmt::format("the specimen's initial stiffness is {:.4g} N/m under {:.4g} MN, a period of "
-                     "{:.3g} s, expected at most {:g} s: is the stiffness in kN/m?",
-                     stiffness, experiment.model.axial_load * 1e-6, period, kLongestPeriod));
+    fail(
+        experiment,
+        fmt::format("the specimen's initial stiffness is {:.4g} N/m under {:.4g} MN, a period of "
+                    "{:.3g} s, expected at most {:g} s: is the stiffness in kN/m?",
+                    stiffness, experiment.model.bearing.axial_load * 1e-6, period, kLongestPeriod));
 }
 
 void check_response(const Experiment& experiment, std::vector<std::string>& remarks) {
   const auto response = loop::numerical_response(
-      sim::assemble(experiment.plant), experiment.tested_motion(), experiment.model, kStep,
-      std::min(experiment.duration, kLongestAnalysis));
-  const double weight = experiment.model.axial_load;
+      sim::assemble(experiment.plant.structure), experiment.tested_motion(),
+      experiment.model.bearing, kStep, std::min(experiment.time.duration, kLongestAnalysis));
+  const double weight = experiment.model.bearing.axial_load;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double motion =
         largest_size(axis == 0 ? response.displacement_long : response.displacement_lat);
@@ -110,11 +111,11 @@ void check_response(const Experiment& experiment, std::vector<std::string>& rema
 }  // namespace
 
 std::string describe_motion(const Experiment& experiment) {
-  std::string text =
-      fmt::format("ground motion: {} samples of {:g} s", experiment.motion.long_acceleration.size(),
-                  experiment.motion.time_step);
+  std::string text = fmt::format("ground motion: {} samples of {:g} s",
+                                 experiment.earthquake.motion.long_acceleration.size(),
+                                 experiment.earthquake.motion.time_step);
   const auto add = [&](const char* name, const std::vector<double>& acceleration) {
-    const auto sizes = sizes_of(acceleration, experiment.motion.time_step);
+    const auto sizes = sizes_of(acceleration, experiment.earthquake.motion.time_step);
     if (sizes.acceleration > 0)
       text +=
           fmt::format("; {} {:.3g} g, {:.3g} m/s, {:.3g} m", name,
@@ -133,10 +134,7 @@ std::vector<std::string> check_plausible(const Experiment& experiment) {
     check_history(experiment, remarks);
     return remarks;
   }
-  const bool integrates =
-      std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                  [](const auto& plan) { return plan.settings.integrates_plant; });
-  if (!integrates) return remarks;
+  if (!experiment.integrates_plant()) return remarks;
   check_specimen(experiment);
   check_response(experiment, remarks);
   return remarks;

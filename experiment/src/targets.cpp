@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // [targets]: displacements imposed in place of an analysis.
-#include <rths/experiment/test_setup.hpp>
+#include "tables.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/loop/numerical_response.hpp>
 #include <rths/sim/motion_file.hpp>
@@ -48,11 +49,12 @@ double taper(double time, double duration, double length) {
   return 0.5 * (1 - std::cos(std::numbers::pi * inside));
 }
 
-DisplacementHistory empty_history(const TestSetup& setup) {
+DisplacementHistory empty_history(const Experiment& experiment) {
   DisplacementHistory history;
-  history.time_step = setup.integration_step;
-  const auto steps =
-      static_cast<std::size_t>(std::llround(setup.duration / setup.integration_step)) + 1;
+  history.time_step = experiment.time.integration_step;
+  const auto steps = static_cast<std::size_t>(std::llround(experiment.time.duration /
+                                                           experiment.time.integration_step)) +
+                     1;
   history.displacement_long.assign(steps, 0);
   history.displacement_lat.assign(steps, 0);
   return history;
@@ -63,11 +65,11 @@ std::vector<double>& of_axis(DisplacementHistory& history, std::size_t axis) {
 }
 
 // Bursts of a sine, one frequency after the other; lat is a quarter of a cycle behind.
-DisplacementHistory harmonic(const Config& table, const TestSetup& setup) {
+DisplacementHistory harmonic(const Config& table, const Experiment& experiment) {
   const auto frequencies = table.numbers("frequencies_Hz");
   const double cycles = static_cast<double>(table.integer_in("cycles", 3, 1000, 6));
   const Reach reach{table};
-  DisplacementHistory history = empty_history(setup);
+  DisplacementHistory history = empty_history(experiment);
   double begin = 0;
   for (const double frequency : frequencies) {
     if (!(frequency >= 0.01 && frequency <= kHighestTarget))
@@ -85,9 +87,9 @@ DisplacementHistory harmonic(const Config& table, const TestSetup& setup) {
       }
     begin += length;
   }
-  if (begin > setup.duration)
+  if (begin > experiment.time.duration)
     table.fail("frequencies_Hz", fmt::format("the bursts take {:.3g} s, duration_s is {:.3g}",
-                                             begin, setup.duration));
+                                             begin, experiment.time.duration));
   return history;
 }
 
@@ -100,17 +102,18 @@ std::pair<double, double> read_band(const Config& table) {
 }
 
 // A sine whose frequency grows exponentially. Along lat it falls, so that the axes differ.
-DisplacementHistory sweep(const Config& table, const TestSetup& setup) {
+DisplacementHistory sweep(const Config& table, const Experiment& experiment) {
   const auto [from, to] = read_band(table);
   const Reach reach{table};
-  DisplacementHistory history = empty_history(setup);
-  const double rate = std::log(to / from) / setup.duration;
+  DisplacementHistory history = empty_history(experiment);
+  const double rate = std::log(to / from) / experiment.time.duration;
   for (std::size_t i = 0; i < history.displacement_long.size(); ++i) {
     const double time = static_cast<double>(i) * history.time_step;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      const double t = axis == 0 ? time : setup.duration - time;
+      const double t = axis == 0 ? time : experiment.time.duration - time;
       const double frequency = from * std::exp(rate * t);
-      of_axis(history, axis)[i] = reach.at(axis, frequency) * taper(time, setup.duration, kTaper) *
+      of_axis(history, axis)[i] = reach.at(axis, frequency) *
+                                  taper(time, experiment.time.duration, kTaper) *
                                   std::sin(2 * std::numbers::pi * (frequency - from) / rate);
     }
   }
@@ -118,15 +121,16 @@ DisplacementHistory sweep(const Config& table, const TestSetup& setup) {
 }
 
 // Sines of all frequencies of the record's length in a band, of equal speed and random phase.
-DisplacementHistory noise(const Config& table, const TestSetup& setup, std::uint64_t seed) {
+DisplacementHistory noise(const Config& table, const Experiment& experiment, std::uint64_t seed) {
   const auto [from, to] = read_band(table);
   const PerAxis rms = read_pair(table, "rms_m");
-  DisplacementHistory history = empty_history(setup);
+  DisplacementHistory history = empty_history(experiment);
   std::mt19937_64 random{seed};
   std::uniform_real_distribution<double> phase{0, 2 * std::numbers::pi};
   for (std::size_t axis = 0; axis < 2; ++axis) {
     auto& x = of_axis(history, axis);
-    for (double n = std::ceil(from * setup.duration); n <= to * setup.duration; ++n) {
+    for (double n = std::ceil(from * experiment.time.duration); n <= to * experiment.time.duration;
+         ++n) {
       const double start = phase(random);
       for (std::size_t i = 0; i < x.size(); ++i)
         x[i] += std::sin(2 * std::numbers::pi * n * static_cast<double>(i) /
@@ -139,7 +143,8 @@ DisplacementHistory noise(const Config& table, const TestSetup& setup, std::uint
     const double scale =
         squares > 0 ? rms[axis] / std::sqrt(squares / static_cast<double>(x.size())) : 0;
     for (std::size_t i = 0; i < x.size(); ++i)
-      x[i] *= scale * taper(static_cast<double>(i) * history.time_step, setup.duration, kTaper);
+      x[i] *= scale *
+              taper(static_cast<double>(i) * history.time_step, experiment.time.duration, kTaper);
   }
   return history;
 }
@@ -157,8 +162,7 @@ double value_at(const std::vector<double>& response, double steps) {
   return value(before) + (steps - std::floor(steps)) * (value(after) - value(before));
 }
 
-}  // namespace
-
+// Displacements of a table with a file: columns [m], scaled; the first row is the start.
 DisplacementHistory read_displacements(const Config& table) {
   const auto file = table.resolve(table.text("file"));
   const double scale = table.number_in("scale", -100, 100, 1.0);
@@ -173,37 +177,36 @@ DisplacementHistory read_displacements(const Config& table) {
   return history;
 }
 
-DisplacementHistory expected_motion(const TestSetup& setup) {
-  sim::GroundMotion motion = setup.motion;
-  const auto tested = [&](const char* axis) {
-    return std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();
-  };
-  if (!tested("long"))
-    std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
-  if (!tested("lat")) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
-  const auto response = loop::numerical_response(sim::assemble(setup.plant), motion, setup.model,
-                                                 kReferenceStep, setup.duration);
-  DisplacementHistory history = empty_history(setup);
+// The motion that a test is expected to have: that of the purely numerical result.
+DisplacementHistory expected_motion(const Experiment& experiment) {
+  const auto response = loop::numerical_response(
+      sim::assemble(experiment.plant.structure), experiment.tested_motion(),
+      experiment.model.bearing, kReferenceStep, experiment.time.duration);
+  DisplacementHistory history = empty_history(experiment);
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto& found = axis == 0 ? response.displacement_long : response.displacement_lat;
     auto& wanted = of_axis(history, axis);
     for (std::size_t i = 1; i < wanted.size(); ++i)
-      wanted[i] = value_at(found, static_cast<double>(i) * setup.integration_step / kReferenceStep);
+      wanted[i] = value_at(
+          found, static_cast<double>(i) * experiment.time.integration_step / kReferenceStep);
   }
   return history;
 }
 
-DisplacementHistory read_targets(const Config& table, const TestSetup& setup, std::uint64_t seed) {
+}  // namespace
+
+DisplacementHistory read_targets(const Config& table, const Experiment& experiment,
+                                 std::uint64_t seed) {
   const std::string kind = table.text("kind");
   DisplacementHistory history;
   if (kind == "harmonic")
-    history = harmonic(table, setup);
+    history = harmonic(table, experiment);
   else if (kind == "sweep")
-    history = sweep(table, setup);
+    history = sweep(table, experiment);
   else if (kind == "noise")
-    history = noise(table, setup, seed);
+    history = noise(table, experiment, seed);
   else if (kind == "response")
-    history = expected_motion(setup);
+    history = expected_motion(experiment);
   else if (kind == "file")
     history = read_displacements(table);
   else
@@ -211,13 +214,16 @@ DisplacementHistory read_targets(const Config& table, const TestSetup& setup, st
         "kind",
         fmt::format("kind is '{}', expected harmonic, sweep, noise, response or file", kind));
   table.reject_unknown_keys();
-  const auto tested = [&](const char* axis) {
-    return std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();
-  };
   for (std::size_t axis = 0; axis < 2; ++axis)
-    if (!tested(axis == 0 ? "long" : "lat"))
+    if (!contains(experiment.axes, axis == 0 ? "long" : "lat"))
       std::fill(of_axis(history, axis).begin(), of_axis(history, axis).end(), 0.0);
   return history;
+}
+
+DisplacementHistory read_reference(const Config& table) {
+  auto reference = read_displacements(table);
+  table.reject_unknown_keys();
+  return reference;
 }
 
 }  // namespace rths::experiment

@@ -55,9 +55,9 @@ void check_machine(const Config& file, Experiment& experiment) {
   }
 }
 
-bool any_node(const Experiment& experiment, bool NodeSettings::*property) {
+bool any_solver(const Experiment& experiment, bool SolverTraits::*property) {
   return std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                     [&](const auto& plan) { return plan.settings.*property; });
+                     [&](const auto& plan) { return plan.settings.solver.*property; });
 }
 
 void check_solver(const Config& file, const Experiment& experiment) {
@@ -66,15 +66,15 @@ void check_solver(const Config& file, const Experiment& experiment) {
     for (const char* key : keys)
       if (table.has(key)) fail_unused(table, "solver", key, reason);
   };
-  if (!any_node(experiment, &NodeSettings::integrates_plant))
+  if (!any_solver(experiment, &SolverTraits::integrates_plant))
     refuse({"alpha", "substeps"}, "no node integrates the plant, expected adapter = \"numerical\"");
-  if (!any_node(experiment, &NodeSettings::waits_for_flags))
+  if (!any_solver(experiment, &SolverTraits::waits_for_flags))
     refuse({"wait_deadline_s"}, "no node waits for flags of the handshake");
-  if (!any_node(experiment, &NodeSettings::has_computing_time))
+  if (!any_solver(experiment, &SolverTraits::has_computing_time))
     refuse({"model_computing_time", "computing_time_s", "computing_time_spread", "overrun_fraction",
             "overrun_s"},
            "the computing time of no node is modelled");
-  if (experiment.computing_time.overrun_fraction == 0)
+  if (experiment.solver.computing_time.overrun_fraction == 0)
     refuse({"overrun_s"}, "no step takes longer, expected overrun_fraction above 0 too");
 }
 
@@ -82,7 +82,7 @@ void check_vertical(const Config& file, const Experiment& experiment) {
   const auto has_vertical = [](const sim::GroundMotion& motion) {
     return !motion.vert_acceleration.empty();
   };
-  if (has_vertical(experiment.motion) || experiment.plant.overturns() ||
+  if (has_vertical(experiment.earthquake.motion) || experiment.plant.structure.overturns() ||
       (experiment.held_out && has_vertical(*experiment.held_out)))
     return;
   const Config table = file.table_or_empty("plant");
@@ -93,16 +93,16 @@ void check_vertical(const Config& file, const Experiment& experiment) {
 }
 
 void check_network(const Config& file, const Experiment& experiment) {
-  if (!experiment.hosts.empty()) return;
+  if (!experiment.network.hosts.empty()) return;
   const Config table = file.table_or_empty("network");
   for (const auto& key : table.keys())
     fail_unused(table, "network", key, "the test runs on one host, expected tables [host.…]");
 }
 
 bool is_random(const Experiment& experiment) {
-  const bool has_random_time =
-      any_node(experiment, &NodeSettings::has_computing_time) &&
-      (experiment.model_computing_time || any_node(experiment, &NodeSettings::integrates_plant));
+  const bool has_random_time = any_solver(experiment, &SolverTraits::has_computing_time) &&
+                               (experiment.solver.models_computing_time ||
+                                any_solver(experiment, &SolverTraits::integrates_plant));
   const NodePlan* machine = machine_of(experiment);
   const bool has_noise =
       machine != nullptr && machine->settings.machine_table >= MachineTable::Carriage;

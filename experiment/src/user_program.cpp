@@ -30,11 +30,12 @@ void replace_all(std::string& text, std::string_view from, const std::string& to
     text.replace(at, from.size(), to);
 }
 
-bool fill_in(std::string& argument, const TestSetup& setup, const std::filesystem::path& motion) {
+bool fill_in(std::string& argument, const Experiment& experiment,
+             const std::filesystem::path& motion) {
   const bool takes_motion = argument.find(kMotionPlaceholder) != std::string::npos;
   replace_all(argument, kMotionPlaceholder, std::filesystem::absolute(motion).string());
-  replace_all(argument, kStepPlaceholder, fmt::format("{}", setup.integration_step));
-  replace_all(argument, kDurationPlaceholder, fmt::format("{}", setup.duration));
+  replace_all(argument, kStepPlaceholder, fmt::format("{}", experiment.time.integration_step));
+  replace_all(argument, kDurationPlaceholder, fmt::format("{}", experiment.time.duration));
   return takes_motion;
 }
 

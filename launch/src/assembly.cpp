@@ -107,14 +107,14 @@ void extend_for_hosts(memmap::MapDescription& description, const Experiment& exp
     partition.longwords = longwords;
     return description.partitions.emplace_back(std::move(partition));
   };
-  for (const auto& host : experiment.hosts) {
+  for (const auto& host : experiment.network.hosts) {
     append(launcher_partition(host.name), launcher_node(host.name), kLauncherLongwords).tear_group =
         true;
     std::vector<std::string> signals;
     for (const auto& plan : experiment.nodes)
       if (plan.host != host.name)
         signals.insert(signals.end(), {"age." + plan.node, "delay." + plan.node});
-    for (const auto& other : experiment.hosts)
+    for (const auto& other : experiment.network.hosts)
       if (other.name != host.name)
         signals.insert(signals.end(), {"clock_offset." + other.name, "clock_error." + other.name});
     auto& partition = append("gateway." + host.name, "gateway_" + host.name,
@@ -127,7 +127,7 @@ void extend_for_hosts(memmap::MapDescription& description, const Experiment& exp
       partition.signals.push_back(std::move(signal));
     }
   }
-  if (experiment.hosts.empty()) return;
+  if (experiment.network.hosts.empty()) return;
   for (const auto& plan : experiment.nodes) append(turn_partition(plan.node), plan.node, 1);
 }
 

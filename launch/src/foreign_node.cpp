@@ -138,7 +138,7 @@ class ForeignNode {
 
   /// Waits while the others come to rest, then ends the program. Its exit code no longer matters.
   void release() {
-    const auto rest = from_seconds(experiment_.retreat.hold + experiment_.retreat.ramp);
+    const auto rest = from_seconds(experiment_.stop.retreat.hold + experiment_.stop.retreat.ramp);
     if (!program_) return wait_until_left(rest);
     if (program_->wait(rest)) return;
     program_->ask_to_end();
@@ -156,7 +156,7 @@ class ForeignNode {
     adapters::ProgramStart start;
     for (auto argument : program.command) {
       if (experiment::fill_in(argument, experiment_, motion))
-        std::ofstream{motion} << experiment::motion_text(experiment_.motion);
+        std::ofstream{motion} << experiment::motion_text(experiment_.earthquake.motion);
       experiment::replace_all(argument, experiment::kRingPlaceholder, own_ring);
       experiment::replace_all(argument, experiment::kNodePlaceholder, plan_.node);
       start.command.push_back(std::move(argument));
@@ -208,7 +208,7 @@ class ForeignNode {
       return fmt::format("{} (process {}) wrote no word within {:g} s (connect_deadline_s){}",
                          name_, process_, plan_.settings.program->connect_deadline, missed_flag());
     }
-    const double longest = plan_.settings.program->longest_silence * experiment_.rate;
+    const double longest = plan_.settings.program->longest_silence * experiment_.time.rate;
     if (silence_.look(now, signs) <= from_seconds(longest)) return std::nullopt;
     return fmt::format(
         "{} (process {}) is silent: no new value in its words for {:g} s (silence_s){}", name_,

@@ -42,7 +42,7 @@ std::uint64_t fingerprint_of(const Experiment& experiment) {
     hash = XXH3_64bits_withSeed(bytes, size, hash);
   };
   for (const auto& [name, text] : experiment.texts()) add(text.data(), text.size());
-  const auto& motion = experiment.motion;
+  const auto& motion = experiment.earthquake.motion;
   for (const auto* values : {&motion.long_acceleration, &motion.lat_acceleration})
     add(values->data(), values->size() * sizeof(double));
   return hash;
@@ -52,10 +52,10 @@ std::uint64_t fingerprint_of(const Experiment& experiment) {
 
 dds::CycloneOptions network_of(const Experiment& experiment, const RunOptions& options) {
   dds::CycloneOptions network;
-  network.domain = experiment.domain;
+  network.domain = experiment.network.domain;
   network.ring = experiment.name;
   network.host = options.host;
-  for (const auto& host : experiment.hosts) {
+  for (const auto& host : experiment.network.hosts) {
     if (host.name == options.host)
       network.interface = options.interface.empty() ? host.interface : options.interface;
     else if (!host.address.empty())
@@ -73,7 +73,7 @@ HostLink::HostLink(broker::Ring& ring, const Experiment& experiment, const RunOp
                                                            : kLongestHostSilence},
       node_{ring.join(launcher_node(own_), 0)},
       group_{ring.tear_group(launcher_partition(own_))} {
-  for (const auto& host : experiment.hosts)
+  for (const auto& host : experiment.network.hosts)
     if (host.name != own_)
       others_.push_back({host.name, ring.tear_group(launcher_partition(host.name)), 0, {}});
   dds::GatewayOptions gateway;
@@ -149,7 +149,7 @@ std::string HostLink::missing_hosts() {
 }
 
 void HostLink::wait_until_ready(const std::function<bool()>& look) {
-  const TimePoint deadline = clock_.now() + from_seconds(experiment_.host_deadline);
+  const TimePoint deadline = clock_.now() + from_seconds(experiment_.network.deadline);
   bool is_ready = false;
   while (!is_ready || !are_all_ready()) {
     if (look()) return;
@@ -162,7 +162,7 @@ void HostLink::wait_until_ready(const std::function<bool()>& look) {
     if (clock_.now() > deadline)
       throw Error{fmt::format(
           "host {} not ready after {:g} s, expected `rths run {} --host …` there", missing_hosts(),
-          experiment_.host_deadline, experiment_.file.filename().string())};
+          experiment_.network.deadline, experiment_.file.filename().string())};
     std::this_thread::sleep_for(kHostPoll);
   }
 }

@@ -76,15 +76,16 @@ double longest_wait_for_user(const Experiment& experiment) {
   double longest = 0;
   for (const auto& plan : experiment.nodes)
     if (const auto& program = plan.settings.program)
-      longest =
-          std::max(longest, program->connect_deadline + program->longest_silence * experiment.rate);
+      longest = std::max(
+          longest, program->connect_deadline + program->longest_silence * experiment.time.rate);
   return longest;
 }
 
 std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
   constexpr double kSlowest = 2, kMargin = 10;  // of the planned duration; [s]
-  const double longest = (experiment.rest + experiment.duration * experiment.rate) * kSlowest +
-                         longest_wait_for_user(experiment);
+  const double longest =
+      (experiment.time.rest + experiment.time.duration * experiment.time.rate) * kSlowest +
+      longest_wait_for_user(experiment);
   return static_cast<std::size_t>((longest + kMargin) / to_seconds(plan.schedule.period));
 }
 
@@ -97,15 +98,15 @@ void add_faults(const std::vector<std::string>& events, RunResult& result) {
 std::string late_end(const Experiment& experiment, double now) {
   std::string solver;
   for (const auto& plan : experiment.nodes)
-    if (plan.settings.may_not_end) solver = plan.node;
+    if (plan.settings.solver.may_not_end) solver = plan.node;
   return fmt::format(
       "{}: did not end the test until {:.3f} s, expected its end {:g} s after its first target",
-      solver, now, experiment.duration * experiment.rate);
+      solver, now, experiment.time.duration * experiment.time.rate);
 }
 
 Duration longest_stop(const Experiment& experiment) {
   constexpr double kMarginForPeers = 1.0;  // [s]
-  return from_seconds(experiment.longest_stop + kMarginForPeers);
+  return from_seconds(experiment.stop.longest + kMarginForPeers);
 }
 
 namespace {
@@ -147,7 +148,7 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
   if (outcome.completed && !outcome.stopped_early)
     meta.emplace_back(
         "times_real_time",
-        fmt::format("{:.1f}", experiment.duration * experiment.rate / outcome.wall_time));
+        fmt::format("{:.1f}", experiment.time.duration * experiment.time.rate / outcome.wall_time));
   recording::add_meta(file, meta, series_of(experiment, result));
 }
 
@@ -155,7 +156,7 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
 
 void check_assembly(const Experiment& experiment) {
   static_cast<void>(assemble(experiment, ClockKind::Virtual, {}));
-  static_cast<void>(sim::assemble(experiment.plant));  // for the purely numerical result
+  static_cast<void>(sim::assemble(experiment.plant.structure));  // for the purely numerical result
   for (const auto& plan : experiment.nodes)
     if (plan.settings.check) plan.settings.check();
 }

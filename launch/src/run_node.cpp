@@ -176,7 +176,7 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
     LoopThread loop{runner, *epoch, station->plan};
     PeerWatch peers{runner.node(), assembly.map, experiment, node};
     const Reason reason = watch(loop, runner, launcher, peers, longest_stop(experiment));
-    code = conclude(loop, runner, node, reason, experiment.retreat);
+    code = conclude(loop, runner, node, reason, experiment.stop.retreat);
   }
   if (code == 0) send_times(runner.times());
   code = deactivate(*station->adapter, node, code);

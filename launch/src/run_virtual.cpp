@@ -225,7 +225,7 @@ class VirtualRun {
   void report_progress(Duration now) {
     if (!options_.progress || now < next_progress_) return;
     next_progress_ = now + kProgressPeriod;
-    options_.progress({to_seconds(now) / experiment_.rate, experiment_.duration});
+    options_.progress({to_seconds(now) / experiment_.time.rate, experiment_.time.duration});
   }
 
   const Experiment& experiment_;

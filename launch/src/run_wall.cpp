@@ -95,7 +95,7 @@ class WallRun {
     const TimePoint epoch = *agreed;
     if (carrier_ != nullptr) carrier_->begin(epoch);
     for (auto& node : nodes_) node.process.send_line(fmt::format("go {}", epoch.count()));
-    HostProbe probe{epoch, experiment_.duration * experiment_.rate * 2 + kProbeMargin};
+    HostProbe probe{epoch, experiment_.time.duration * experiment_.time.rate * 2 + kProbeMargin};
     while (!all_ended()) {
       attend_to_nodes();
       if (!stopping_ && is_over(epoch)) stop("");
@@ -138,7 +138,8 @@ class WallRun {
     stop(result_.trouble);
   }
   [[nodiscard]] TimePoint end_of_test(TimePoint epoch) const {
-    return epoch + from_seconds(experiment_.rest + experiment_.duration * experiment_.rate);
+    return epoch +
+           from_seconds(experiment_.time.rest + experiment_.time.duration * experiment_.time.rate);
   }
 
   // The leading host sets the common time zero. Empty if there is none: the result has the reason.
@@ -260,7 +261,8 @@ class WallRun {
 
   void report_progress(TimePoint epoch) {
     if (!options_.progress) return;
-    options_.progress({to_seconds(clock_.now() - epoch) / experiment_.rate, experiment_.duration});
+    options_.progress(
+        {to_seconds(clock_.now() - epoch) / experiment_.time.rate, experiment_.time.duration});
   }
 
   const Experiment& experiment_;

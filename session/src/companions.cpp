@@ -38,14 +38,14 @@ std::vector<double> targets_of(const Experiment& experiment, const recording::Re
 // controller.
 std::vector<double> recorded_steps(const Experiment& experiment, const recording::Reader& reader) {
   for (const auto& plan : experiment.nodes)
-    if (const auto& count = plan.settings.target_count; !count.empty())
+    if (const auto& count = plan.settings.solver.target_count; !count.empty())
       return reader.signal("monitor." + plan.node + "." + count);
   const auto roles = recording::roles_of(reader);
   const auto counted = roles.monitor_of_controller() + "pc.targets";
   auto steps = reader.signal(reader.has(roles.time) ? roles.time : counted);
   // A user's own solver may not write its time.
   if (steps.back() <= 0 && reader.has(counted)) return reader.signal(counted);
-  for (double& step : steps) step /= experiment.integration_step;
+  for (double& step : steps) step /= experiment.time.integration_step;
   return steps;
 }
 
@@ -57,10 +57,10 @@ experiment::DisplacementHistory recorded_targets(const Experiment& experiment,
   const auto along = targets_of(experiment, reader, kDirections[0]);
   const auto across = targets_of(experiment, reader, kDirections[1]);
   experiment::DisplacementHistory history;
-  history.time_step = experiment.integration_step;
+  history.time_step = experiment.time.integration_step;
   history.displacement_long = {0};
   history.displacement_lat = {0};
-  const double last = experiment.duration / experiment.integration_step + 1;
+  const double last = experiment.time.duration / experiment.time.integration_step + 1;
   for (std::size_t row = 0; row < steps.size(); ++row) {
     if (!(steps[row] >= 0 && steps[row] <= last)) continue;  // of a user's own solver
     const auto step = static_cast<std::size_t>(std::lround(steps[row]));
@@ -148,12 +148,12 @@ void run_companion(const Experiment& experiment, const std::filesystem::path& re
 
 // The project's own structure, isolated and on a fixed base.
 void write_analysis(const Experiment& experiment, const std::filesystem::path& recording) {
-  const sim::PlantMatrices plant = sim::assemble(experiment.plant);
+  const sim::PlantMatrices plant = sim::assemble(experiment.plant.structure);
   const sim::GroundMotion motion = experiment.tested_motion();
-  const auto isolated = loop::numerical_response(plant, motion, experiment.model, kReferenceStep,
-                                                 experiment.duration);
-  const auto fixed = loop::numerical_response(plant.fixed_base(), motion, experiment.model,
-                                              kReferenceStep, experiment.duration);
+  const auto isolated = loop::numerical_response(plant, motion, experiment.model.bearing,
+                                                 kReferenceStep, experiment.time.duration);
+  const auto fixed = loop::numerical_response(plant.fixed_base(), motion, experiment.model.bearing,
+                                              kReferenceStep, experiment.time.duration);
   std::vector<double> ground_long;
   std::vector<double> ground_lat;
   for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {
@@ -194,7 +194,7 @@ struct BearingResponse {
 void write_reference(const Experiment& experiment, const std::filesystem::path& recording) {
   const auto& stated = *experiment.reference;
   BearingResponse response{stated.time_step, {}, {}};
-  sim::BearingRun bearing{experiment.model, stated.time_step};
+  sim::BearingRun bearing{experiment.model.bearing, stated.time_step};
   const std::array<const std::vector<double>*, 2> motion{&stated.displacement_long,
                                                          &stated.displacement_lat};
   for (std::size_t row = 1; row < motion[0]->size(); ++row) {
@@ -203,8 +203,9 @@ void write_reference(const Experiment& experiment, const std::filesystem::path& 
       displacement[static_cast<Eigen::Index>(axis)] = (*motion[axis])[row];
       before[static_cast<Eigen::Index>(axis)] = (*motion[axis])[row - 1];
     }
-    const Eigen::Vector2d force = bearing.advance(
-        displacement, (displacement - before) / stated.time_step, experiment.model.axial_load);
+    const Eigen::Vector2d force =
+        bearing.advance(displacement, (displacement - before) / stated.time_step,
+                        experiment.model.bearing.axial_load);
     for (std::size_t axis = 0; axis < 2; ++axis) {
       response.displacement[axis].push_back(displacement[static_cast<Eigen::Index>(axis)]);
       response.force[axis].push_back(force[static_cast<Eigen::Index>(axis)]);
@@ -219,12 +220,12 @@ Experiment with_ideal_machine(const Experiment& experiment, const NodePlan& solv
   constexpr double kLeastStep = 0.01;  // [s]
   Experiment ideal = experiment;
   ideal.companion = "with an ideal machine";
-  ideal.rate = std::max(1.0, kLeastStep / experiment.integration_step);
-  ideal.rest = 0;
-  ideal.specimen = ideal.machine.specimen = experiment.model;
-  ideal.model_computing_time = false;
+  ideal.time.rate = std::max(1.0, kLeastStep / experiment.time.integration_step);
+  ideal.time.rest = 0;
+  ideal.specimen = ideal.machine.simulated.specimen = experiment.model.bearing;
+  ideal.solver.models_computing_time = false;
   ideal.cards.reset();
-  ideal.hosts.clear();
+  ideal.network.hosts.clear();
   ideal.role_table = Config{};
   std::erase_if(ideal.nodes, [&](const NodePlan& plan) {
     return plan.node != solver.node && plan.settings.role != experiment::Role::Recorder;
@@ -238,7 +239,7 @@ Experiment with_ideal_machine(const Experiment& experiment, const NodePlan& solv
   NodePlan machine;
   machine.node = map.entry(*word).partition->node;
   machine.adapter = "ideal_machine";
-  machine.settings = *solver.settings.ideal_machine;
+  machine.settings = *solver.settings.solver.ideal_machine;
   machine.schedule = machine.settings.schedule;
   ideal.nodes.push_back(std::move(machine));
   for (auto& plan : ideal.nodes) plan.host.clear();
@@ -270,8 +271,8 @@ std::vector<double> by_step(const std::vector<double>& times, const std::vector<
 BearingResponse response_in(const Experiment& experiment, const recording::Reader& run,
                             const std::string& solver) {
   const auto moves = run.signal("monitor." + solver + ".step");
-  const double step = experiment.integration_step;
-  const auto count = static_cast<std::size_t>(std::llround(experiment.duration / step));
+  const double step = experiment.time.integration_step;
+  const auto count = static_cast<std::size_t>(std::llround(experiment.time.duration / step));
   const auto times = recording::at_each_count(moves, run.signal(experiment.roles.time));
   BearingResponse response{step, {}, {}};
   for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -327,7 +328,7 @@ bool run_held_out(const Experiment& experiment, const std::filesystem::path& rec
                   const std::string& version) {
   if (!experiment.held_out || experiment.has_user_program()) return false;
   Experiment second = experiment;
-  second.motion = *experiment.held_out;
+  second.earthquake.motion = *experiment.held_out;
   renew_noise(second, 1);
   second.companion = "under the second earthquake";
   run_companion(second, recording, version);

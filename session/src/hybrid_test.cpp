@@ -32,7 +32,7 @@ const AxisRoles* axis_of(const Roles& roles, const std::string& axis) {
 
 const NodePlan& controller_of(const Experiment& experiment) {
   for (const auto& plan : experiment.nodes)
-    if (plan.node == experiment.roles.controller && !plan.settings.diagram.empty()) return plan;
+    if (plan.node == experiment.roles.controller && plan.table.has("diagram")) return plan;
   throw Error{experiment.file.string() + ": the controller runs no block diagram"};
 }
 
@@ -95,12 +95,13 @@ void read_block(const Config& block, budget::HybridTest& test) {
 }
 
 std::vector<Config> read_diagram(const NodePlan& plan, budget::HybridTest& test) {
-  const Config diagram = Config::load(plan.settings.diagram);
+  const auto choice = adapters::read_diagram_choice(plan.table);
+  const Config diagram = Config::load(choice.diagram);
   const double substeps = static_cast<double>(diagram.integer("substeps", 1));
   test.period = to_seconds(plan.schedule.period);
   test.command.substeps =
       static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
-  auto blocks = adapters::blocks_of(diagram, plan.settings.constants, plan.settings.blocks);
+  auto blocks = adapters::blocks_of(diagram, choice.constants, choice.blocks);
   std::erase_if(blocks, [](const Config& block) {
     return block.flag("single", false);  // of the vertical force
   });
@@ -192,14 +193,14 @@ loop::ForceCorrection correction_of(const Experiment& experiment) {
 
 budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& run) {
   budget::HybridTest test;
-  test.plant = sim::assemble(experiment.plant);
-  test.motion = experiment.motion;
-  test.alpha = experiment.alpha;
-  test.substeps = experiment.substeps;
-  test.implicit_stiffness = sim::initial_stiffness(experiment.model);
-  test.duration = experiment.duration;
-  test.integration_step = experiment.integration_step;
-  test.rate = experiment.rate;
+  test.plant = sim::assemble(experiment.plant.structure);
+  test.motion = experiment.earthquake.motion;
+  test.alpha = experiment.solver.alpha;
+  test.substeps = experiment.solver.substeps;
+  test.implicit_stiffness = sim::initial_stiffness(experiment.model.bearing);
+  test.duration = experiment.time.duration;
+  test.integration_step = experiment.time.integration_step;
+  test.rate = experiment.time.rate;
   const Roles& roles = experiment.roles;
   const NodeTicks ticks{run, roles.controller};
   test.tested = tested_of(experiment);
@@ -207,8 +208,8 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
     std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
   if (!test.tested[1])
     std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
-  test.specimen_simulated = test.specimen_identified = experiment.model;
-  test.machine_simulated = test.machine_identified = experiment.assumed_machine;
+  test.specimen_simulated = test.specimen_identified = experiment.model.bearing;
+  test.machine_simulated = test.machine_identified = experiment.model.machine;
   const auto blocks = read_diagram(controller_of(experiment), test);
   const Recorded by{run, ticks, roles};
   if (by.tuned("target_force.enabled", 1) == 0) test.target_force.reset();
@@ -216,7 +217,8 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
     if (test.tested[i]) test.compensation[i] = compensation_of(by, blocks, i, test.period);
   const NodeTicks machine{run, roles.machine};
   test.host = recorded_host(experiment, run, ticks, test.period);
-  test.axial_load = ticks_or(run, machine, roles.vertical_force, experiment.model.axial_load);
+  test.axial_load =
+      ticks_or(run, machine, roles.vertical_force, experiment.model.bearing.axial_load);
   return test;
 }
 
@@ -228,8 +230,8 @@ budget::Response response_of(const Experiment& experiment, const Reader& run) {
     response[i] = at_each_count(targets, axis != nullptr && run.has(axis->target)
                                              ? run.signal(axis->target)
                                              : std::vector<double>(targets.size(), 0));
-    const auto steps =
-        static_cast<std::size_t>(std::llround(experiment.duration / experiment.integration_step));
+    const auto steps = static_cast<std::size_t>(
+        std::llround(experiment.time.duration / experiment.time.integration_step));
     if (response[i].size() > steps) response[i].resize(steps);
   }
   return response;
@@ -272,7 +274,7 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
                                      const Reader& run, const Reader* held_out) {
   const bool is_numerical =
       std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                  [](const auto& plan) { return plan.settings.integrates_plant; });
+                  [](const auto& plan) { return plan.settings.solver.integrates_plant; });
   if (!is_numerical)
     throw Error{experiment.file.string() +
                 ": no node integrates the plant as a mismatch budget repeats it"};

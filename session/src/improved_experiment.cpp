@@ -6,7 +6,7 @@
 
 #include <rths/core/config.hpp>
 #include <rths/experiment/improvement.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/machine_table.hpp>
 
 namespace rths::session {
 namespace {

@@ -51,8 +51,8 @@ bool is_tested(const Experiment& experiment, std::size_t axis) {
 
 // The numerical specimen is the bearing that the simulation assumes.
 Experiment with_numerical_specimen(Experiment experiment) {
-  experiment.specimen = experiment.model;
-  experiment.machine.specimen = experiment.model;
+  experiment.specimen = experiment.model.bearing;
+  experiment.machine.simulated.specimen = experiment.model.bearing;
   return experiment;
 }
 
@@ -61,8 +61,8 @@ experiment::DisplacementHistory motion_in(const recording::Reader& numerical,
                                           const Experiment& experiment) {
   const double interval = numerical.time()[1] - numerical.time()[0];
   experiment::DisplacementHistory history;
-  history.time_step = experiment.integration_step;
-  const auto steps = std::lround(experiment.duration / experiment.integration_step);
+  history.time_step = experiment.time.integration_step;
+  const auto steps = std::lround(experiment.time.duration / experiment.time.integration_step);
   const auto read = [&](const char* axis) {
     const auto values = numerical.signal(std::string{"result.displ."} + axis);
     std::vector<double> found{0};
@@ -134,16 +134,16 @@ void predict_stability(const Experiment& experiment, const recording::Reader& ru
   const HybridLoop loop{test.plant,
                         static_cast<int>(i),
                         axis.machine,
-                        experiment.assumed_machine.axes[i].effective_mass,
+                        experiment.model.machine.axes[i].effective_mass,
                         lead_of(test.compensation[i]),
                         kHoldPeriods * test.period,
-                        experiment.rate};
+                        experiment.time.rate};
   for (int k = 0; k < kAmplitudes; ++k) {
     AmplitudeMargin margin;
     margin.amplitude =
         axis.peak * std::pow(kSmallest, 1 - static_cast<double>(k) / (kAmplitudes - 1));
-    margin.stiffness =
-        commissioning::describing_function(experiment.model, margin.amplitude, kLoopFrequency);
+    margin.stiffness = commissioning::describing_function(experiment.model.bearing,
+                                                          margin.amplitude, kLoopFrequency);
     margin.delay_margin = loop.delay_margin(margin.stiffness);
     margin.stable = margin.delay_margin > 0;
     margin.gain_margin = loop.gain_margin(margin.stiffness);
@@ -227,8 +227,8 @@ class Steps {
   [[nodiscard]] std::vector<commissioning::SignalFinding> signals_in(
       const std::filesystem::path& file) const {
     return commissioning::check_signals(
-        recording::Reader{file}, experiment_.assumed_machine,
-        experiment_.machine.has_specimen ? &experiment_.model : nullptr);
+        recording::Reader{file}, experiment_.model.machine,
+        experiment_.machine.simulated.has_specimen ? &experiment_.model.bearing : nullptr);
   }
 
   bool check_path() {
@@ -286,16 +286,17 @@ class Steps {
                                : "the machine of the experiment, because " + kept_because;
     Experiment closed = experiment_;
     if (!kept_because.empty()) return closed;
-    closed.has_identified_machine = true;
+    closed.machine.is_identified = true;
     // Friction that the controller subtracts was identified, so the machine has it.
-    closed.machine = budget::with_known_friction(closed.assumed_machine, correction_of(closed));
-    std::erase_if(closed.machine.terms, [](const auto& term) {
+    closed.machine.simulated =
+        budget::with_known_friction(closed.model.machine, correction_of(closed));
+    std::erase_if(closed.machine.simulated.terms, [](const auto& term) {
       return sim::term_kind(term.kind).stage == sim::Stage::Actuator;  // identified with the axis
     });
-    closed.machine.specimen = closed.model;
-    closed.machine.seed = experiment_.machine.seed;
+    closed.machine.simulated.specimen = closed.model.bearing;
+    closed.machine.simulated.seed = experiment_.machine.simulated.seed;
     for (const auto& axis : result_.axes) {
-      auto& servo = closed.machine.axes[axis.name == "long" ? 0 : 1];
+      auto& servo = closed.machine.simulated.axes[axis.name == "long" ? 0 : 1];
       servo = budget::servo_axis(axis.machine, servo);
     }
     return closed;

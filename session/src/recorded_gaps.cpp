@@ -27,7 +27,7 @@ double period_of(const Experiment& experiment, const std::string& node) {
 
 void check_node(const Experiment& experiment, const Reader& run, const std::string& node,
                 const std::string& name) {
-  const double step = experiment.rate * experiment.integration_step;
+  const double step = experiment.time.rate * experiment.time.integration_step;
   const double period = period_of(experiment, node);
   const NodeTicks ticks{run, node};
   const auto longest = static_cast<std::size_t>(std::lround(kMostSteps * step / period));

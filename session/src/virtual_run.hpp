@@ -23,8 +23,8 @@ inline launch::RunOutcome run_virtually(const experiment::Experiment& experiment
 /// Gives repetition k of an experiment noise and computing times of its own; 0: the experiment's.
 inline void renew_noise(experiment::Experiment& experiment, std::uint64_t k) {
   constexpr std::uint64_t kSeedOffset = 1'000'003;  // beyond the small seeds of experiments
-  experiment.machine.seed += k * kSeedOffset;
-  experiment.computing_time.seed += k * kSeedOffset;
+  experiment.machine.simulated.seed += k * kSeedOffset;
+  experiment.solver.computing_time.seed += k * kSeedOffset;
 }
 
 }  // namespace rths::session

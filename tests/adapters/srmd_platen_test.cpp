@@ -3,7 +3,7 @@
 
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/adapters/srmd_platen.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/parts.hpp>
 
 #include "sim/machine/srmd_file.hpp"
 #include "support/bench.hpp"
@@ -103,7 +103,7 @@ TEST(SrmdPlatenNode, ReadsMachineMemberAndChanges) {
   EXPECT_NE(refusal("family_member = 201").find("family_member"), std::string::npos);
   EXPECT_NE(refusal("[changes.supply]\npressure_Pa = -1").find("n.toml:3"), std::string::npos);
   EXPECT_NE(refusal("[changes.suply]\npressure_Pa = 1").find("suply"), std::string::npos);
-  experiment::TestSetup setup;
+  experiment::Experiment setup;
   setup.axes = {"long", "lat"};
   setup.specimen = test::plain_lead_rubber();
   const auto settings = read_srmd(

@@ -52,7 +52,7 @@ class ClosedLoop : public ::testing::Test {
     force = session::fed_force_of(experiment, run);
     // The laboratory itself takes the place of what would be identified.
     hybrid.specimen_identified = experiment.specimen;
-    hybrid.machine_identified = experiment.machine;
+    hybrid.machine_identified = experiment.machine.simulated;
     if (has_noise)
       hybrid.noise = budget::sensor_noise(
           hybrid, {session::transfer_record_of(experiment.roles, run, "long", hybrid.host.order),
@@ -62,7 +62,7 @@ class ClosedLoop : public ::testing::Test {
   [[nodiscard]] experiment::Experiment as_in_the_laboratory() const {
     auto improved = experiment;
     improved.model = experiment.specimen;
-    improved.assumed_machine = experiment.machine;
+    improved.assumed_machine = experiment.machine.simulated;
     return improved;
   }
   [[nodiscard]] double difference(const budget::Response& response) const {

@@ -93,11 +93,11 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
 
   EXPECT_EQ(e.name, "lab");
   EXPECT_EQ(e.axes, (std::vector<std::string>{"long", "lat"}));
-  EXPECT_EQ(e.integration_step, 0.01);
-  EXPECT_EQ(e.simulation_step(), 0.01);
-  EXPECT_EQ(e.machine.seed, 7U);
-  EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 2 * 9.80665, 1e-12);
-  EXPECT_NEAR(e.motion.lat_acceleration[1], -0.1 * 2 * 9.80665, 1e-12);
+  EXPECT_EQ(e.time.integration_step, 0.01);
+  EXPECT_EQ(e.time.simulation_step(), 0.01);
+  EXPECT_EQ(e.machine.simulated.seed, 7U);
+  EXPECT_NEAR(e.earthquake.motion.long_acceleration[1], 0.3 * 2 * 9.80665, 1e-12);
+  EXPECT_NEAR(e.earthquake.motion.lat_acceleration[1], -0.1 * 2 * 9.80665, 1e-12);
   EXPECT_EQ(e.texts().size(), 5U);  // with the bearing, the model, its specimen and the diagram
   EXPECT_NEAR(e.specimen.axial_load, 480e6 * 9.80665 / 486, 1);
 }
@@ -106,7 +106,7 @@ TEST_F(ExperimentTest, HasVerticalMotionOnlyOnRequest) {
   EXPECT_TRUE(load_experiment(write()).motion.vert_acceleration.empty());
   const Experiment e = load_experiment(write(), {{"motion.column_vert", "1"}});
 
-  EXPECT_EQ(e.motion.vert_acceleration, e.motion.long_acceleration);
+  EXPECT_EQ(e.earthquake.motion.vert_acceleration, e.earthquake.motion.long_acceleration);
   EXPECT_NE(error_with("scale = 2.0", "column_vert = 3").find("record.csv:1: 3 columns found"),
             std::string::npos);
 }
@@ -139,9 +139,9 @@ TEST_F(ExperimentTest, ImprovesItsModelWithTheTermsOfADiagnosis) {
   EXPECT_EQ(model.table("machine_coulomb_friction").numbers("friction_force_N"),
             (std::vector<double>{6000, 7000}));
   // The laboratory is unchanged.
-  EXPECT_EQ(e.machine.axes[0].effective_mass, 113'371);
+  EXPECT_EQ(e.machine.simulated.axes[0].effective_mass, 113'371);
   EXPECT_EQ(e.specimen.terms.size(), load_experiment(write()).specimen.terms.size() + 1);
-  EXPECT_EQ(e.machine.terms.size(), load_experiment(write()).machine.terms.size());
+  EXPECT_EQ(e.machine.simulated.terms.size(), load_experiment(write()).machine.terms.size());
 }
 
 // A diagnosis writes a parameter with a value for each axis as a list.
@@ -155,8 +155,8 @@ TEST_F(ExperimentTest, ImprovesInertiaAndForceOffsetOfEachAxis) {
   const Config model = Config::parse(text_named(e, recording::kModelText), "model");
   EXPECT_EQ(model.table("platen_inertia").numbers("mass_kg"), (std::vector<double>{1.1e5, 1.2e5}));
   EXPECT_EQ(model.table("force_offset").numbers("offset_N"), (std::vector<double>{900, -800}));
-  EXPECT_EQ(e.assumed_machine.axes[1].effective_mass, 1.2e5);
-  EXPECT_EQ(e.assumed_machine.axes[1].force_offset, -800);
+  EXPECT_EQ(e.model.machine.axes[1].effective_mass, 1.2e5);
+  EXPECT_EQ(e.model.machine.axes[1].force_offset, -800);
 }
 
 TEST_F(ExperimentTest, SaysWhereAnImprovementHasTooManyAxes) {
@@ -192,7 +192,7 @@ TEST_F(ExperimentTest, AssumesTheLaboratoryByDefault) {
   const Experiment e =
       load_experiment(write(), {{"machine.load_dependent_friction.friction_coefficient", "0.002"}});
 
-  EXPECT_EQ(e.model.terms.size(), e.specimen.terms.size());
+  EXPECT_EQ(e.model.bearing.terms.size(), e.specimen.terms.size());
   const Config model = Config::parse(text_named(e, recording::kModelText), "model");
   EXPECT_EQ(model.text("kind"), "platen");
   EXPECT_EQ(model.table("lead_heating").number("lead_radius_m"), 0.1793);
@@ -218,7 +218,7 @@ TEST_F(ExperimentTest, OmitsFromTheModelEffectsThatAreDisabled) {
   const std::string text = text_named(e, recording::kModelText);
   EXPECT_EQ(text.find("lead_heating"), std::string::npos);
   EXPECT_EQ(text.find("load_dependent"), std::string::npos);
-  EXPECT_EQ(e.model.terms.size() + 1, e.specimen.terms.size());
+  EXPECT_EQ(e.model.bearing.terms.size() + 1, e.specimen.terms.size());
   const Config model = Config::parse(text, "model");
   EXPECT_EQ(model.table("bouc_wen").number("eta"), 1.5);
   EXPECT_EQ(model.table("coulomb_friction").number("friction_force_N"), 1e4);
@@ -231,7 +231,7 @@ TEST_F(ExperimentTest, OmitsFromTheModelEffectsThatAreDisabled) {
 TEST_F(ExperimentTest, MayAssumeAnotherBearing) {
   const Experiment e = load_experiment(write(), {{"model.specimen.model", "\"other.toml\""}});
 
-  EXPECT_EQ(e.model.title, "other");
+  EXPECT_EQ(e.model.bearing.title, "other");
   EXPECT_EQ(e.specimen.title, "LPRB");
 }
 
@@ -286,8 +286,8 @@ TEST_F(ExperimentTest, ReadsTuningWithDottedNames) {
 TEST_F(ExperimentTest, TakesChangesFromTheCommandLine) {
   const Experiment e = load_experiment(write(), {{"duration_s", "5"}, {"motion.scale", "1"}});
 
-  EXPECT_EQ(e.duration, 5);
-  EXPECT_NEAR(e.motion.long_acceleration[1], 0.3 * 9.80665, 1e-12);
+  EXPECT_EQ(e.time.duration, 5);
+  EXPECT_NEAR(e.earthquake.motion.long_acceleration[1], 0.3 * 9.80665, 1e-12);
 }
 
 TEST_F(ExperimentTest, HasNoSecondEarthquakeIfItsTableIsEmpty) {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/core/config.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/parts.hpp>
 
 #include "support/files.hpp"
 

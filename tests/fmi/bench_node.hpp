@@ -99,7 +99,7 @@ unit = "1"
                                                         double period = 0.001) const {
     const Config table = Config::parse(
         "file = \"" + file.string() + "\"\nrole = \"machine\"\n" + keys + tables, "node.toml");
-    const experiment::TestSetup setup;
+    const experiment::Experiment setup;
     const auto settings = fmi::read_fmu("mac", table, setup);
     table.reject_unknown_keys();
     auto adapter =

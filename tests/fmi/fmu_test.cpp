@@ -245,7 +245,7 @@ TEST(Fmu, ThatIsASolverEndsTheTestWhenItTerminates) {
     const auto file = test::lag_fmu(folder, version, "terminates");
     const Config table = Config::parse(
         "file = \"" + file.string() + "\"\nrole = \"solver\"\n" + test::lag_table(version), "node");
-    const experiment::TestSetup setup;
+    const experiment::Experiment setup;
     const auto adapter =
         read_fmu("mac", table, setup)
             .make(setup, {"mac", from_seconds(kStep), true, {}, node.map, {}, {}, {}, {}});

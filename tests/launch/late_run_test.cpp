@@ -88,7 +88,8 @@ Ran numerical(const Experiment& experiment) {
   EXPECT_TRUE(session::run_numerical(experiment, folder.path() / "numerical.h5", ""));
   const recording::Reader recorded{folder.path() / "numerical.h5"};
   const double interval = recorded.time()[1] - recorded.time()[0];
-  const auto rows = static_cast<std::size_t>(std::lround(experiment.integration_step / interval));
+  const auto rows =
+      static_cast<std::size_t>(std::lround(experiment.time.integration_step / interval));
   Ran result;
   for (std::size_t i = 0; i < experiment.roles.axes.size(); ++i) {
     const auto values = recorded.signal("result.displ." + experiment.roles.axes[i].axis);

@@ -38,9 +38,9 @@ using adapters::Adapter;
 using adapters::Port;
 using adapters::StepData;
 using controller::SafetyCause;
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
-using experiment::TestSetup;
 
 /// Changes words of an adapter from a time on.
 struct Fault {
@@ -111,23 +111,24 @@ Fault fault;                         // NOLINT
 
 NodeSettings with_fault(NodeSettings settings, Where here) {
   if (fault_where != here) return settings;
-  settings.make = [make = settings.make](const TestSetup& setup, const NodeContext& context) {
+  settings.make = [make = settings.make](const Experiment& setup, const NodeContext& context) {
     return std::make_unique<Faulty>(make(setup, context), fault);
   };
   return settings;
 }
 
-NodeSettings read_machine(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_machine(const std::string& node, const Config& table, const Experiment& setup) {
   const Config bare = Config::parse("[safety]\nenabled = false", "test");
   return with_fault(
       adapters::with_safety(with_fault(adapters::read_srmd(node, bare, setup), Where::Sensors),
                             table.table_or_empty("safety"), setup),
       Where::Operator);
 }
-NodeSettings read_controller(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_controller(const std::string& node, const Config& table,
+                             const Experiment& setup) {
   return with_fault(adapters::read_simulink_like(node, table, setup), Where::Controller);
 }
-NodeSettings read_solver(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_solver(const std::string& node, const Config& table, const Experiment& setup) {
   return with_fault(adapters::read_numerical(node, table, setup), Where::Solver);
 }
 

@@ -3,15 +3,16 @@
 
 #include <rths/adapters/echo.hpp>
 #include <rths/adapters/opf_handshake.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::adapters {
 
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
-using experiment::TestSetup;
 
 NodeSettings read_echo(const std::string& /*node*/, const Config& table,
-                       const TestSetup& /*setup*/) {
+                       const Experiment& /*setup*/) {
   constexpr double kPeriod = 1e-3;  // [s]
   EchoSettings echo;
   echo.stiffness = table.number_in("stiffness_N_per_m", 0, 1e15, echo.stiffness);
@@ -19,7 +20,7 @@ NodeSettings read_echo(const std::string& /*node*/, const Config& table,
   echo.is_prompt = table.flag("prompt", false);
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0.3 * kPeriod);
-  settings.make = [echo](const TestSetup&, const NodeContext& context) {
+  settings.make = [echo](const Experiment&, const NodeContext& context) {
     EchoSettings complete = echo;
     complete.layout = opf_layout(context.map);
     return make_echo(complete);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/experiment/user_program.hpp>
 
 namespace rths::adapters {
@@ -11,7 +12,7 @@ namespace rths::adapters {
 using namespace experiment;
 
 NodeSettings read_external(const std::string& node, const Config& table,
-                           const TestSetup& /*setup*/) {
+                           const Experiment& /*setup*/) {
   for (const char* key : {"period_s", "phase_s", "tune"})
     if (table.has(key))
       table.fail(key, fmt::format("found {} of a program of its own, expected none", key));

@@ -12,6 +12,7 @@
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/experiment/computing_times.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/experiment/user_program.hpp>
 
 namespace rths::adapters {
@@ -56,7 +57,7 @@ OpenSeesScript read_script(const Config& table) {
 }
 
 // Fills in the arguments of a script. Its log and motion file lie beside the recording.
-void complete_script(const TestSetup& setup, const NodeContext& context, OpenSeesScript& script) {
+void complete_script(const Experiment& setup, const NodeContext& context, OpenSeesScript& script) {
   script.log = file_beside(context.recording, context.node, ".log");
   const auto motion = file_beside(context.recording, context.node, ".motion.csv");
   // A check has no recording.
@@ -64,13 +65,14 @@ void complete_script(const TestSetup& setup, const NodeContext& context, OpenSee
                            ? std::filesystem::path{}
                            : std::filesystem::absolute(context.recording).replace_extension();
   for (auto& argument : script.command) {
-    if (fill_in(argument, setup, motion)) script.files = {{motion, motion_text(setup.motion)}};
+    if (fill_in(argument, setup, motion))
+      script.files = {{motion, motion_text(setup.earthquake.motion)}};
     replace_all(argument, kResultsPlaceholder, results.string());
   }
 }
 
 // An ideal machine moves the tested axes only.
-bool can_repeat(const OpenSeesSettings& opensees, const TestSetup& setup) {
+bool can_repeat(const OpenSeesSettings& opensees, const Experiment& setup) {
   return !opensees.script.command.empty() &&
          std::all_of(opensees.elements.begin(), opensees.elements.end(), [&](const auto& element) {
            return element.actuators.empty() &&
@@ -104,9 +106,9 @@ std::string motion_fault(const std::vector<std::string>& command, const std::str
 }  // namespace
 
 NodeSettings read_opensees_node(const std::string& node, const Config& table,
-                                const TestSetup& setup) {
+                                const Experiment& setup) {
   OpenSeesSettings opensees;
-  read_opensees(table, sim::initial_stiffness(setup.model), opensees);
+  read_opensees(table, sim::initial_stiffness(setup.model.bearing), opensees);
   opensees.is_prompt = table.flag("prompt", false);
   opensees.script = read_script(table);
   NodeSettings settings;
@@ -115,24 +117,24 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   settings.schedule =
       schedule_of(opensees.is_prompt ? kPeriod : kPollingPeriod, 0.1 * kPeriod, MissedSteps::Skip);
   settings.priority = kPriority;
-  settings.has_computing_time = settings.waits_for_flags = true;
+  settings.solver.has_computing_time = settings.solver.waits_for_flags = true;
   // The time of OpenSees restarts after static analyses and does not advance during iterations.
-  settings.target_count = "step";
-  settings.motion_fault = motion_fault(opensees.script.command, node);
+  settings.solver.target_count = "step";
+  settings.solver.motion_fault = motion_fault(opensees.script.command, node);
   settings.check = program_check(opensees.script, node);
   if (can_repeat(opensees, setup))
-    settings.ideal_machine =
+    settings.solver.ideal_machine =
         std::make_shared<const NodeSettings>(read_ideal_machine(node, Config{}, setup));
-  settings.make = [opensees](const TestSetup& test, const NodeContext& context) {
+  settings.make = [opensees](const Experiment& test, const NodeContext& context) {
     OpenSeesSettings complete = opensees;
     complete.layout = opf_layout(context.map);
-    complete.simulation_step = test.simulation_step();
-    complete.integration_step = test.integration_step;
-    complete.rest = test.rest;
-    complete.wait_deadline = test.wait_deadline * test.rate;
+    complete.simulation_step = test.time.simulation_step();
+    complete.integration_step = test.time.integration_step;
+    complete.rest = test.time.rest;
+    complete.wait_deadline = test.solver.wait_deadline * test.time.rate;
     complete.stops_time = context.is_virtual;
-    if (test.model_computing_time)
-      complete.computing_time = [times = ComputingTimes{test.computing_time}]() mutable {
+    if (test.solver.models_computing_time)
+      complete.computing_time = [times = ComputingTimes{test.solver.computing_time}]() mutable {
         return times.draw();
       };
     complete_script(test, context, complete.script);
@@ -142,7 +144,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
 }
 
 NodeSettings read_opensees_specimen_node(const std::string& node, const Config& table,
-                                         const TestSetup& /*setup*/) {
+                                         const Experiment& /*setup*/) {
   OpenSeesSpecimenSettings opensees;
   opensees.elements = read_specimen_elements(table);
   opensees.script = read_script(table);
@@ -151,10 +153,10 @@ NodeSettings read_opensees_specimen_node(const std::string& node, const Config& 
   settings.priority = kPriority;
   settings.start_deadline = opensees.script.connect_deadline;  // ready when OpenSees is connected
   settings.check = program_check(opensees.script, node);
-  settings.make = [opensees](const TestSetup& test, const NodeContext& context) {
+  settings.make = [opensees](const Experiment& test, const NodeContext& context) {
     OpenSeesSpecimenSettings complete = opensees;
     complete.layout = opf_layout(context.map);
-    complete.simulation_step = test.simulation_step();
+    complete.simulation_step = test.time.simulation_step();
     complete.stops_time = context.is_virtual;
     complete_script(test, context, complete.script);
     return make_opensees_specimen(complete);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/fmi/fmu_plugin.hpp>
 #include <rths/plugin/plugin_node.hpp>
 
@@ -19,9 +20,9 @@ namespace {
 using adapters::Adapter;
 using adapters::Port;
 using adapters::StepData;
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
-using experiment::TestSetup;
 
 constexpr double kShortestPeriod = 1e-5, kLongestPeriod = 1;  // of a node [s]
 
@@ -42,7 +43,7 @@ class FmuAdapter final : public Adapter {
 };
 
 std::unique_ptr<Adapter> make(const std::filesystem::path& file, const Config& table,
-                              const plugin::Hosting& hosting, const TestSetup& setup,
+                              const plugin::Hosting& hosting, const Experiment& setup,
                               const NodeContext& context) {
   try {
     const ModelDescription description = read_description(file);
@@ -92,7 +93,7 @@ std::string config_of(const ModelDescription& description, Config table, const I
   return table.to_toml();
 }
 
-NodeSettings read_fmu(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_fmu(const std::string& node, const Config& table, const Experiment& setup) {
   const std::filesystem::path file = table.resolve(table.text("file"));
   if (!std::filesystem::exists(file))
     table.fail("file", fmt::format("file is '{}', expected an FMU", file.string()));
@@ -108,7 +109,7 @@ NodeSettings read_fmu(const std::string& node, const Config& table, const TestSe
       description.preferred_step ? description.preferred_step : description.fixed_step;
   if (step && *step >= kShortestPeriod && *step <= kLongestPeriod)
     settings.schedule.period = from_seconds(*step);
-  settings.make = [=](const TestSetup& test, const NodeContext& context) {
+  settings.make = [=](const Experiment& test, const NodeContext& context) {
     return make(file, table, hosting, test, context);
   };
   return plugin::guarded(std::move(settings), table, setup);

@@ -2,13 +2,14 @@
 #include <rths/adapters/numerical_node.hpp>
 
 #include <rths/adapters/numerical.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::adapters {
 
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
 using experiment::Role;
-using experiment::TestSetup;
 
 namespace {
 
@@ -25,22 +26,22 @@ sim::VerticalFeedback read_vertical_feedback(const Config& table) {
 
 }  // namespace
 
-std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup, const NodeContext& context,
+std::unique_ptr<Adapter> make_numerical_node(const Experiment& setup, const NodeContext& context,
                                              Handshake handshake, sim::VerticalFeedback vertical) {
   NumericalSettings settings;
   settings.handshake = handshake;
   settings.axes = setup.axes;
-  settings.plant = setup.plant;
-  settings.motion = setup.motion;
-  settings.bearing_initial_stiffness = sim::initial_stiffness(setup.model);
-  settings.integration_step = setup.integration_step;
-  settings.alpha = setup.alpha;
-  settings.substeps = setup.substeps;
-  settings.duration = setup.duration;
-  settings.rest = setup.rest;
-  settings.wait_deadline = setup.wait_deadline * setup.rate;
-  if (context.is_virtual || setup.model_computing_time)
-    settings.computing_time = setup.computing_time;
+  settings.plant = setup.plant.structure;
+  settings.motion = setup.earthquake.motion;
+  settings.bearing_initial_stiffness = sim::initial_stiffness(setup.model.bearing);
+  settings.integration_step = setup.time.integration_step;
+  settings.alpha = setup.solver.alpha;
+  settings.substeps = setup.solver.substeps;
+  settings.duration = setup.time.duration;
+  settings.rest = setup.time.rest;
+  settings.wait_deadline = setup.solver.wait_deadline * setup.time.rate;
+  if (context.is_virtual || setup.solver.models_computing_time)
+    settings.computing_time = setup.solver.computing_time;
   settings.history = setup.history;
   settings.vertical_feedback = vertical;
   return make_numerical(settings);
@@ -48,15 +49,15 @@ std::unique_ptr<Adapter> make_numerical_node(const TestSetup& setup, const NodeC
 
 // Polls its flags four times per millisecond.
 NodeSettings read_numerical(const std::string& /*node*/, const Config& table,
-                            const TestSetup& /*setup*/) {
+                            const Experiment& /*setup*/) {
   NodeSettings settings;
   settings.role = Role::Solver;
   settings.schedule = schedule_of(kPeriod, kPhase, MissedSteps::Skip);
   settings.priority = 40;
-  settings.integrates_plant = true;
-  settings.has_computing_time = settings.waits_for_flags = true;
+  settings.solver.integrates_plant = true;
+  settings.solver.has_computing_time = settings.solver.waits_for_flags = true;
   settings.make = [handshake = read_handshake(table), vertical = read_vertical_feedback(table)](
-                      const TestSetup& setup, const NodeContext& context) {
+                      const Experiment& setup, const NodeContext& context) {
     return make_numerical_node(setup, context, handshake, vertical);
   };
   return settings;

@@ -9,16 +9,17 @@
 #include <rths/adapters/safety_node.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/sha256.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/plugin/child_adapter.hpp>
 #include <rths/plugin/python_file.hpp>
 
 namespace rths::plugin {
 namespace {
 
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
 using experiment::Role;
-using experiment::TestSetup;
 
 /// A role of a plugin, with the schedule of the built-in adapters of this role [s].
 struct PluginRole {
@@ -55,7 +56,7 @@ NodeSettings read_role(const Config& table) {
     settings.schedule.missed = experiment::read_late_inputs(table, "newest", MissedSteps::MakeDue);
   settings.priority = role.priority;
   settings.keeps_times = role.role != Role::Solver;
-  settings.may_not_end = role.role == Role::Solver;
+  settings.solver.may_not_end = role.role == Role::Solver;
   if (role.role == Role::Machine) settings.machine_table = experiment::MachineTable::Model;
   return settings;
 }
@@ -70,13 +71,14 @@ Hosting read_hosting(const Config& table) {
 }
 
 std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Hosting& hosting,
-                                               const TestSetup& setup, const NodeContext& context) {
-  plugin.retreat = setup.retreat;
+                                               const Experiment& setup,
+                                               const NodeContext& context) {
+  plugin.retreat = setup.stop.retreat;
   plugin.may_allocate = hosting.may_allocate;
   plugin.step_deadline = hosting.step_deadline;
   if (plugin.step_deadline == 0)
     plugin.step_deadline = context.is_virtual ? kStepDeadlineInVirtualTime : kStepDeadline;
-  plugin.longest_unset = setup.rest + kLongestUnset;
+  plugin.longest_unset = setup.time.rest + kLongestUnset;
   if (!hosting.own_process) return make_plugin(plugin);
   ChildSettings child;
   child.title = plugin.title;
@@ -89,7 +91,7 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
   return make_child([plugin] { return make_plugin(plugin); }, child);
 }
 
-NodeSettings guarded(NodeSettings node, const Config& table, const TestSetup& setup) {
+NodeSettings guarded(NodeSettings node, const Config& table, const Experiment& setup) {
   if (node.role != Role::Machine) return node;
   if (table.has("safety"))
     return adapters::with_safety(std::move(node), table.table("safety"), setup);
@@ -105,7 +107,7 @@ Config identity_of(const std::filesystem::path& file) {
   return identity;
 }
 
-NodeSettings read_plugin(const std::string& node, const Config& table, const TestSetup& setup) {
+NodeSettings read_plugin(const std::string& node, const Config& table, const Experiment& setup) {
   NodeSettings settings = read_role(table);
   const auto file = table.resolve(table.text("library"));
   if (!std::filesystem::exists(file))
@@ -125,7 +127,7 @@ NodeSettings read_plugin(const std::string& node, const Config& table, const Tes
   plugin.library = found.library;
   plugin.config = found.config;
   plugin.title = found.title;
-  settings.make = [=](const TestSetup& test, const NodeContext& context) {
+  settings.make = [=](const Experiment& test, const NodeContext& context) {
     return make_hosted(plugin, hosting, test, context);
   };
   return guarded(std::move(settings), table, setup);

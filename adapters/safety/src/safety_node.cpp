@@ -9,13 +9,14 @@
 
 #include <rths/adapters/safe_machine.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/memmap/codec.hpp>
 
 namespace rths::adapters {
 
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
-using experiment::TestSetup;
 
 namespace {
 
@@ -80,8 +81,8 @@ std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Con
   return axes;
 }
 
-SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
-                                  const std::vector<experiment::MachineAxis>& words) {
+SafeMachineSettings read_settings(const Config& changes, const Experiment& setup,
+                                  const std::vector<MachineAxis>& words) {
   const auto file = find_file(changes, "file", "limits", "srmd");
   const Config limits_of_file = Config::load(file);
   const Config table = limits_of_file.overlaid(changes);
@@ -100,8 +101,8 @@ SafeMachineSettings read_settings(const Config& changes, const TestSetup& setup,
   safety.stuck_motion = table.number_in("stuck_motion_m", 1e-6, 10, safety.stuck_motion);
   settings.watchdog = table.number_in("watchdog_s", 2e-3, 10, settings.watchdog);
   table.reject_unknown_keys();
-  safety.hold = setup.retreat.hold;
-  safety.ramp = setup.retreat.ramp;
+  safety.hold = setup.stop.retreat.hold;
+  safety.ramp = setup.stop.retreat.ramp;
   settings.axes = words;
   const auto has_axis = [&](const std::string& name) {
     if (words.empty())
@@ -132,16 +133,20 @@ void narrow(SafeMachineSettings& settings, const memmap::Map& map) {
 
 }  // namespace
 
-NodeSettings with_safety(NodeSettings machine, const Config& table, const TestSetup& setup,
-                         const std::vector<experiment::MachineAxis>& words) {
+NodeSettings with_safety(NodeSettings machine, const Config& table, const Experiment& setup,
+                         const std::vector<MachineAxis>& words) {
   machine.lacks_safety = !table.flag("enabled", true);
   const SafeMachineSettings read = read_settings(table.without("enabled"), setup, words);
   if (machine.lacks_safety) return machine;
   auto make = std::exchange(machine.make, nullptr);
   machine.longest_stop = controller::longest_stop(read.safety);
-  machine.make = [make = std::move(make), read](const TestSetup& test, const NodeContext& context) {
+  machine.make = [make = std::move(make), read](const Experiment& test,
+                                                const NodeContext& context) {
     SafeMachineSettings settings = read;
-    if (settings.axes.empty()) settings.axes = test.machine_axes;
+    if (settings.axes.empty())
+      for (const auto& axis : test.roles.axes)
+        settings.axes.push_back(
+            {axis.axis, axis.reference, axis.machine_displacement, axis.machine_force});
     settings.safety.period = to_seconds(context.period);
     settings.nodes = context.watched;
     narrow(settings, context.map);

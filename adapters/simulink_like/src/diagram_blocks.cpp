@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/installed_files.hpp>
 
 namespace rths::adapters {
 
@@ -24,6 +25,13 @@ void replace_keys(std::vector<Config>& blocks, const Config& changes) {
 }
 
 }  // namespace
+
+DiagramChoice read_diagram_choice(const Config& table) {
+  DiagramChoice choice{find_file(table, "diagram", "diagrams"), {}, {}};
+  if (table.has("constants")) choice.constants = table.resolve(table.text("constants"));
+  choice.blocks = table.table_or_empty("blocks");
+  return choice;
+}
 
 std::vector<Config> blocks_of(const Config& diagram, const std::filesystem::path& constants,
                               const Config& experiment) {

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/simulink_like_node.hpp>
 
+#include <rths/adapters/block_settings.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/core/file.hpp>
-#include <rths/core/installed_files.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::adapters {
 
+using experiment::Experiment;
 using experiment::NodeContext;
 using experiment::NodeSettings;
 using experiment::Role;
-using experiment::TestSetup;
 
 namespace {
 
@@ -25,28 +26,26 @@ std::map<std::string, std::string> units_of(const memmap::Map& map) {
 }  // namespace
 
 NodeSettings read_simulink_like(const std::string& /*node*/, const Config& table,
-                                const TestSetup& /*setup*/) {
+                                const Experiment& /*setup*/) {
   NodeSettings settings;
   settings.role = Role::Controller;
-  settings.diagram = find_file(table, "diagram", "diagrams");
-  if (table.has("constants")) settings.constants = table.resolve(table.text("constants"));
-  settings.blocks = table.table_or_empty("blocks");
-  settings.schedule = schedule_of(diagram_period(settings.diagram), kPhase, MissedSteps::Wait);
+  const auto choice = read_diagram_choice(table);
+  settings.schedule = schedule_of(diagram_period(choice.diagram), kPhase, MissedSteps::Wait);
   settings.priority = 50;
   settings.keeps_times = true;
-  settings.texts = [diagram = settings.diagram, constants = settings.constants] {
+  settings.texts = [choice] {
     std::vector<std::pair<std::string, std::string>> texts;
-    for (const auto& used : {diagram, constants})
+    for (const auto& used : {choice.diagram, choice.constants})
       if (!used.empty())
         texts.emplace_back(used.filename().string(), read_file(used, kMostTextBytes));
     return texts;
   };
-  settings.make = [diagram = settings.diagram, constants = settings.constants,
-                   blocks = settings.blocks](const TestSetup& test, const NodeContext& context) {
+  settings.make = [choice](const Experiment& test, const NodeContext& context) {
     return make_simulink_like(
-        diagram, {test.axes, test.integration_step, test.simulation_step(), test.retreat,
-                  units_of(context.map), std::make_shared<const sim::Bearing>(test.model),
-                  constants, blocks});
+        choice.diagram,
+        {test.axes, test.time.integration_step, test.time.simulation_step(), test.stop.retreat,
+         units_of(context.map), std::make_shared<const sim::Bearing>(test.model.bearing),
+         choice.constants, choice.blocks});
   };
   return settings;
 }

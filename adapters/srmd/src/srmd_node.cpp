@@ -10,25 +10,26 @@
 #include <rths/adapters/srmd.hpp>
 #include <rths/adapters/srmd_platen.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::adapters {
 
+using experiment::Experiment;
 using experiment::MachineTable;
 using experiment::NodeContext;
 using experiment::NodeSettings;
 using experiment::read_late_inputs;
-using experiment::TestSetup;
 
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
 
-std::unique_ptr<Adapter> make(const TestSetup& setup, const NodeContext& context) {
+std::unique_ptr<Adapter> make(const Experiment& setup, const NodeContext& context) {
   SrmdSettings settings;
-  settings.machine = setup.machine;
+  settings.machine = setup.machine.simulated;
   settings.period = to_seconds(context.period);
   settings.axes = setup.axes;
-  settings.retreat = setup.retreat;
+  settings.retreat = setup.stop.retreat;
   return make_srmd(settings);
 }
 
@@ -43,24 +44,24 @@ sim::machine::FamilyMember read_member(const Config& table, NodeSettings& settin
 }
 
 std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
-                                     const TestSetup& setup, const NodeContext& context) {
+                                     const Experiment& setup, const NodeContext& context) {
   SrmdPlatenSettings settings;
   settings.machine = member.machine;
-  settings.machine.has_specimen = setup.machine.has_specimen;
-  settings.machine.has_rollers = setup.machine.has_rollers;
+  settings.machine.has_specimen = setup.machine.simulated.has_specimen;
+  settings.machine.has_rollers = setup.machine.simulated.has_rollers;
   settings.machine.specimen =
       sim::machine::with_stiffness(setup.specimen, member.specimen_stiffness);
-  settings.machine.seed = setup.machine.seed;
+  settings.machine.seed = setup.machine.simulated.seed;
   settings.period = to_seconds(context.period);
   settings.axes = setup.axes;
-  settings.retreat = setup.retreat;
+  settings.retreat = setup.stop.retreat;
   return make_srmd_platen(settings);
 }
 
 // The words of the axes that the safety layer guards: the tested ones, and the vertical one of a
 // machine that moves it.
-std::vector<experiment::MachineAxis> words_of(const TestSetup& setup, bool drives_vertical) {
-  std::vector<experiment::MachineAxis> words;
+std::vector<MachineAxis> words_of(const Experiment& setup, bool drives_vertical) {
+  std::vector<MachineAxis> words;
   for (const std::string axis : {"long", "lat", "vert"}) {
     const bool is_tested =
         std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();
@@ -74,7 +75,7 @@ std::vector<experiment::MachineAxis> words_of(const TestSetup& setup, bool drive
 }  // namespace
 
 // The machine samples before the controller steps.
-NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const TestSetup& setup) {
+NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const Experiment& setup) {
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0);
   settings.priority = 60;
@@ -85,9 +86,9 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
     settings.schedule.missed = read_late_inputs(table, "due", MissedSteps::Wait);
   if (table.has("model")) {
     settings.machine_table = MachineTable::Carriage;
-    settings.make = [member = read_member(table, settings)](const TestSetup& test,
+    settings.make = [member = read_member(table, settings)](const Experiment& test,
                                                             const NodeContext& context) {
-      return test.has_identified_machine ? make(test, context) : make_platen(member, test, context);
+      return test.machine.is_identified ? make(test, context) : make_platen(member, test, context);
     };
   }
   return with_safety(std::move(settings), table.table_or_empty("safety"), setup,
@@ -95,12 +96,12 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const T
 }
 
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,
-                                const TestSetup& /*setup*/) {
+                                const Experiment& /*setup*/) {
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0.3 * kPeriod, MissedSteps::Wait);
-  settings.make = [](const TestSetup& setup, const NodeContext&) {
+  settings.make = [](const Experiment& setup, const NodeContext&) {
     return make_ideal_machine(
-        {setup.specimen, setup.axes, setup.integration_step, setup.simulation_step()});
+        {setup.specimen, setup.axes, setup.time.integration_step, setup.time.simulation_step()});
   };
   return settings;
 }

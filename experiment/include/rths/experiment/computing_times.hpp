@@ -4,7 +4,7 @@
 #include <random>
 
 #include <rths/core/realtime.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/parts.hpp>
 
 namespace rths::experiment {
 

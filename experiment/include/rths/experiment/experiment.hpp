@@ -11,8 +11,7 @@
 
 #include <rths/core/config.hpp>
 #include <rths/experiment/node.hpp>
-#include <rths/experiment/test_setup.hpp>
-#include <rths/memmap/map.hpp>
+#include <rths/experiment/parts.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 
@@ -22,36 +21,27 @@ namespace rths::experiment {
 /// no longer load.
 inline constexpr int kExperimentFormat = 1;
 
-/// A host of a test that runs on several.
-struct HostPlan {
-  std::string name;
-  std::string address;    ///< for the other hosts; empty: found by multicast
-  std::string interface;  ///< name or address; empty: `address`, or else the network's default
-};
-
-/// The cards of a ring of fidelity "replicated", as the file states them.
-struct Cards {
-  Config table;                ///< [cards]
-  std::vector<Config> faults;  ///< [[fault]]
-};
-
 /// Content of an experiment file, checked.
-struct Experiment : TestSetup {
+struct Experiment {
   std::filesystem::path file;
   std::string name;
-  std::filesystem::path map;
-  std::uint64_t seed = 1;
-  std::string motion_name;
   std::string companion;  ///< how it differs from the test that it accompanies; empty: it does not
-  std::optional<sim::GroundMotion>
-      held_out;                      ///< a second earthquake, for the proof of the diagnosis
-  sim::TestMachine assumed_machine;  ///< the machine as the simulation assumes it
-  std::optional<Cards> cards;        ///< of fidelity "replicated"; empty: "shared"
-  std::vector<HostPlan> hosts;       ///< by name; empty: one host
-  std::uint32_t domain = 0;          ///< of DDS, between the hosts
-  double host_deadline = 60;         ///< wait for the other hosts [s]
-  std::vector<NodePlan> nodes;       ///< in starting order
-  bool has_plant = false;            ///< the file states the structure
+  std::filesystem::path map;
+  std::vector<std::string> axes;  ///< the tested ones: long, lat
+  std::uint64_t seed = 1;
+  TimePlan time;
+  Earthquake earthquake;
+  std::optional<sim::GroundMotion> held_out;  ///< a second one, for the proof of the diagnosis
+  Plant plant;
+  sim::Bearing specimen;  ///< the bearing on the platen
+  Machine machine;
+  AssumedModel model;
+  Solver solver;
+  std::optional<DisplacementHistory> history;  ///< [targets]: imposed instead of an analysis
+  StopPlan stop;
+  std::vector<NodePlan> nodes;  ///< in starting order
+  Network network;
+  std::optional<CardTables> cards;  ///< of fidelity "replicated"; empty: "shared"
   /// Response that takes the place of the purely numerical one: [reference]
   std::optional<DisplacementHistory> reference;
   Config conclusive;       ///< bounds of a conclusive test; report::read_bounds checks them

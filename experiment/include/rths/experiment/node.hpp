@@ -13,7 +13,7 @@
 #include <rths/core/clock.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/schedule.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/parts.hpp>
 #include <rths/memmap/map.hpp>
 
 namespace rths::adapters {
@@ -22,6 +22,9 @@ struct Port;
 }  // namespace rths::adapters
 
 namespace rths::experiment {
+
+struct Experiment;
+struct NodeSettings;
 
 /// Task of a node in the test. Nodes start in this order: receivers before senders.
 enum class Role {
@@ -60,38 +63,40 @@ struct NodeContext {
   std::vector<std::string> watched;  ///< solvers and controllers with monitors of their own
 };
 
-/// Settings of a node, from its table of the experiment.
-struct NodeSettings {
-  Role role = Role::Machine;
-  Schedule schedule;              ///< unless the table states another
-  int priority = 30;              ///< of its real-time thread, 1…60
-  bool keeps_times = false;       ///< the recording has start and duration of each step
-  double start_deadline = 0;      ///< to become ready, beyond the time that every node has [s]
-  bool integrates_plant = false;  ///< α-OS of the experiment's plant, which a budget repeats
-  /// Of a solver with a structure of its own that can run again: the node that then takes the place
-  /// of controller and machine, for the purely numerical result. Null: it cannot.
-  std::shared_ptr<const NodeSettings> ideal_machine;
-  bool may_not_end = false;  ///< a solver of the user's own: the launcher ends a late run
-  MachineTable machine_table = MachineTable::Unused;
+/// What the adapter of a solver states about it.
+struct SolverTraits {
+  bool integrates_plant = false;    ///< α-OS of the experiment's plant, which a budget repeats
   bool has_computing_time = false;  ///< modelled by keys of [solver]
   bool waits_for_flags = false;     ///< of the handshake, at most `wait_deadline_s` of [solver]
-  std::filesystem::path diagram;    ///< block diagram that it runs, if any
-  std::filesystem::path constants;  ///< values that replace those of the diagram's blocks, if any
-  Config blocks;                    ///< the same in the experiment, with priority
-  bool lacks_safety = false;        ///< a machine whose commands pass no safety layer
-  double longest_stop = 0;          ///< of its safety layer [s]; 0: that of the retreat
-  /// Its files, for the recording: name, and content or SHA-256. May be empty. @throws Error
-  std::function<std::vector<std::pair<std::string, std::string>>()> texts;
+  bool may_not_end = false;         ///< the user's own: the launcher ends a late run
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
   std::string motion_fault;  ///< why it cannot run under another motion; empty: it can
-  /// Monitors of an adapter that is built after the others, when the map of the ring is complete.
-  std::vector<adapters::Port> (*monitors)() = nullptr;
+  /// Of one with a structure of its own that can run again: the node that then takes the place of
+  /// controller and machine, for the purely numerical result. Null: it cannot.
+  std::shared_ptr<const NodeSettings> ideal_machine;
+};
+
+/// What the test needs to know of a node, from its adapter.
+struct NodeSettings {
+  Role role = Role::Machine;
+  Schedule schedule;          ///< unless the table states another
+  int priority = 30;          ///< of its real-time thread, 1…60
+  bool keeps_times = false;   ///< the recording has start and duration of each step
+  double start_deadline = 0;  ///< to become ready, beyond the time that every node has [s]
+  bool lacks_safety = false;  ///< a machine whose commands pass no safety layer
+  double longest_stop = 0;    ///< of its safety layer [s]; 0: that of the retreat
+  MachineTable machine_table = MachineTable::Unused;
+  SolverTraits solver;
   /// The node is this program of the user's own; then `make` may be empty.
   std::optional<UserProgram> program;
+  /// Its files, for the recording: name, and content or SHA-256. May be empty. @throws Error
+  std::function<std::vector<std::pair<std::string, std::string>>()> texts;
   /// Checks requirements of the host, such as programs; may be empty. @throws Error   @setup
   std::function<void()> check;
+  /// Monitors of an adapter that is built after the others, when the map of the ring is complete.
+  std::vector<adapters::Port> (*monitors)() = nullptr;
   /// @throws Error   @setup
-  std::function<std::unique_ptr<adapters::Adapter>(const TestSetup&, const NodeContext&)> make;
+  std::function<std::unique_ptr<adapters::Adapter>(const Experiment&, const NodeContext&)> make;
 };
 
 /// A kind of adapter, by its name in an experiment.
@@ -100,17 +105,15 @@ struct AdapterKind {
   /// Reads the table of a node. The reader of the experiment reads host, period_s, phase_s and
   /// tune, and rejects unknown keys.
   /// @throws Error with the place of the first wrong value   @setup
-  NodeSettings (*read)(const std::string& node, const Config& table, const TestSetup& setup);
+  NodeSettings (*read)(const std::string& node, const Config& table, const Experiment& experiment);
 };
-
-/// Names and values of parameters of a node [SI].
-using Tuning = std::vector<std::pair<std::string, double>>;
 
 /// A node of the map and the adapter that runs there.
 struct NodePlan {
   std::string node;
   std::string host;     ///< empty: the test runs on one host
   std::string adapter;  ///< name of its kind
+  Config table;         ///< its own of the experiment
   NodeSettings settings;
   Schedule schedule;
   Tuning tune;           ///< initial values of its parameters

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include <rths/experiment/node.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/core/config.hpp>
+#include <rths/experiment/experiment.hpp>
 
 namespace rths::experiment {
 
@@ -30,7 +30,8 @@ void check_placeholders(const Config& table, const std::string& key,
 void replace_all(std::string& text, std::string_view from, const std::string& to);
 /// Replaces the placeholders of the test in an argument.
 /// @param motion  path of its motion file   @returns whether the argument names that file
-bool fill_in(std::string& argument, const TestSetup& setup, const std::filesystem::path& motion);
+bool fill_in(std::string& argument, const Experiment& experiment,
+             const std::filesystem::path& motion);
 
 /// Content of a motion file. Columns: time [s], accelerations long and lat [m/s²].
 [[nodiscard]] std::string motion_text(const sim::GroundMotion& motion);

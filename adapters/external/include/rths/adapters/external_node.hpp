@@ -10,6 +10,6 @@ namespace rths::adapters {
 /// Reads the table of a node that is a program of the user's own. The settings build no adapter.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_external(const std::string& node, const Config& table,
-                                                     const experiment::TestSetup& setup);
+                                                     const experiment::Experiment& setup);
 
 }  // namespace rths::adapters

@@ -9,6 +9,6 @@ namespace rths::adapters {
 
 /// Has no keys of its own. @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_recorder(const std::string& node, const Config& table,
-                                                     const experiment::TestSetup& setup);
+                                                     const experiment::Experiment& setup);
 
 }  // namespace rths::adapters

@@ -11,6 +11,6 @@ namespace rths::fmi {
 /// tunable, ramp, log, and those of every plugin: role, own_process, deadline_s, allocates.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_fmu(const std::string& node, const Config& table,
-                                                const experiment::TestSetup& setup);
+                                                const experiment::Experiment& setup);
 
 }  // namespace rths::fmi

@@ -8,7 +8,7 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_handshake.hpp>
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/parts.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::adapters {

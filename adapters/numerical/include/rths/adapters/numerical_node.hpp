@@ -12,10 +12,10 @@ namespace rths::adapters {
 
 /// Keys: handshake, vertical_feedback. @throws Error with the place of the first wrong value @setup
 [[nodiscard]] experiment::NodeSettings read_numerical(const std::string& node, const Config& table,
-                                                      const experiment::TestSetup& setup);
+                                                      const experiment::Experiment& setup);
 /// Builds the solver for a handshake.   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_numerical_node(
-    const experiment::TestSetup& setup, const experiment::NodeContext& context, Handshake handshake,
-    sim::VerticalFeedback vertical = sim::VerticalFeedback::Model);
+    const experiment::Experiment& setup, const experiment::NodeContext& context,
+    Handshake handshake, sim::VerticalFeedback vertical = sim::VerticalFeedback::Model);
 
 }  // namespace rths::adapters

@@ -13,7 +13,7 @@ namespace rths::plugin {
 /// safety.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_plugin(const std::string& node, const Config& table,
-                                                   const experiment::TestSetup& setup);
+                                                   const experiment::Experiment& setup);
 
 /// Name, size and SHA-256 of a file, for the recording. @throws Error if it cannot be read   @setup
 [[nodiscard]] Config identity_of(const std::filesystem::path& file);
@@ -34,10 +34,10 @@ struct Hosting {
 /// Puts the safety layer in front of a machine whose table has `safety`.
 /// @throws Error with the place of a wrong value   @setup
 [[nodiscard]] experiment::NodeSettings guarded(experiment::NodeSettings node, const Config& table,
-                                               const experiment::TestSetup& setup);
+                                               const experiment::Experiment& setup);
 /// Makes a plugin in this process, or in one of its own.   @setup
 [[nodiscard]] std::unique_ptr<adapters::Adapter> make_hosted(
-    PluginSettings plugin, const Hosting& hosting, const experiment::TestSetup& setup,
+    PluginSettings plugin, const Hosting& hosting, const experiment::Experiment& setup,
     const experiment::NodeContext& context);
 
 }  // namespace rths::plugin

@@ -7,15 +7,21 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/controller/safety.hpp>
-#include <rths/experiment/test_setup.hpp>
 
 namespace rths::adapters {
 
+/// Words of an axis of the machine, by their role.
+struct MachineAxis {
+  std::string name;                 ///< "long", "lat"
+  std::string reference;            ///< to the machine [m]
+  std::string displacement, force;  ///< its measurements [m], [N]
+};
+
 struct SafeMachineSettings {
   controller::SafetySettings safety;
-  std::vector<experiment::MachineAxis> axes;  ///< as many as `safety.axes`
-  std::vector<std::string> nodes;             ///< that must step, and write no invalid value
-  double watchdog = 0.6;                      ///< longest silence of a node while running [s]
+  std::vector<MachineAxis> axes;   ///< as many as `safety.axes`
+  std::vector<std::string> nodes;  ///< that must step, and write no invalid value
+  double watchdog = 0.6;           ///< longest silence of a node while running [s]
 };
 
 /// A machine behind a safety layer. No reference reaches the machine except through the layer,

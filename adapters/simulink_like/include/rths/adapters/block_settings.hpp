@@ -18,6 +18,16 @@
 // them.
 namespace rths::adapters {
 
+/// The diagram that a node runs, and the values that replace those of its blocks.
+struct DiagramChoice {
+  std::filesystem::path diagram;
+  std::filesystem::path constants;  ///< empty: none
+  Config blocks;                    ///< of the experiment, with priority
+};
+/// Reads the keys diagram, constants and blocks of a node.
+/// @throws Error with the place of a file that does not exist   @setup
+[[nodiscard]] DiagramChoice read_diagram_choice(const Config& table);
+
 /// The tables of a diagram's blocks. A table of the file of constants, and then one of the
 /// experiment, replaces keys of the block that it names.
 /// @param constants  empty: none   @throws Error for a block that the diagram lacks   @setup

@@ -10,6 +10,6 @@ namespace rths::adapters {
 /// Key: diagram. @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_simulink_like(const std::string& node,
                                                           const Config& table,
-                                                          const experiment::TestSetup& setup);
+                                                          const experiment::Experiment& setup);
 
 }  // namespace rths::adapters

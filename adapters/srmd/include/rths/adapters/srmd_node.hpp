@@ -12,11 +12,11 @@ namespace rths::adapters {
 /// nominal) and a table `changes` vary it.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_srmd(const std::string& node, const Config& table,
-                                                 const experiment::TestSetup& setup);
+                                                 const experiment::Experiment& setup);
 /// An ideal machine; has no keys of its own. @throws Error with the place of the first wrong value
 /// @setup
 [[nodiscard]] experiment::NodeSettings read_ideal_machine(const std::string& node,
                                                           const Config& table,
-                                                          const experiment::TestSetup& setup);
+                                                          const experiment::Experiment& setup);
 
 }  // namespace rths::adapters

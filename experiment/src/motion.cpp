@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/experiment/test_setup.hpp>
+#include "tables.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,19 +13,10 @@
 #include <rths/core/installed_files.hpp>
 #include <rths/core/text.hpp>
 
+#include "motion_check.hpp"
+
 namespace rths::experiment {
 namespace {
-
-sim::Stick read_stick(const Config& table) {
-  sim::Stick stick;
-  stick.name = table.text("name");
-  stick.masses = table.numbers("masses_kg");
-  stick.elevations = table.numbers("elevations_m");
-  stick.frequency_long = table.number("frequency_long_Hz");
-  stick.frequency_lat = table.number("frequency_lat_Hz");
-  table.reject_unknown_keys();
-  return stick;
-}
 
 /// One component of a motion, in g.
 struct Component {
@@ -145,41 +136,20 @@ void extend(Component& one, Component& other, MotionFiles& files) {
   other.values.resize(longest);
 }
 
+sim::GroundMotion read_checked(const Config& table, Experiment& experiment) {
+  MotionFiles files;
+  auto motion = read_motion(table, files);
+  for (auto& remark : check_motion(table, motion, experiment.axes))
+    experiment.remarks.push_back(std::move(remark));
+  return motion;
+}
+
 }  // namespace
 
 const sim::MotionFile& MotionFiles::at(const std::filesystem::path& file) {
   const auto known = files_.find(file);
   if (known != files_.end()) return known->second;
   return files_.emplace(file, sim::read_motion_file(file)).first->second;
-}
-
-sim::IsolatedPlant read_plant(const Config& table) {
-  sim::IsolatedPlant plant = sim::example_plant();
-  plant.basemat_mass = table.number_in("basemat_mass_kg", 1, 1e12, plant.basemat_mass);
-  plant.damping_ratio = table.number_in("damping_ratio", 0, 0.99, plant.damping_ratio);
-  plant.vertical_frequency =
-      table.number_in("vertical_frequency_Hz", 0.1, 100, plant.vertical_frequency);
-  plant.vertical_damping =
-      table.number_in("vertical_damping_ratio", 0, 0.99, plant.vertical_damping);
-  plant.bearings = static_cast<int>(table.integer_in("bearings", 1, 100'000, plant.bearings));
-  plant.spectrum_elevation =
-      table.number_in("spectrum_elevation_m", 0, 1000, plant.spectrum_elevation);
-  plant.plan_long = table.number_in("plan_long_m", 1, 10'000, plant.plan_long);
-  plant.plan_lat = table.number_in("plan_lat_m", 1, 10'000, plant.plan_lat);
-  plant.bearing_long =
-      table.number_in("bearing_long_m", -plant.plan_long / 2, plant.plan_long / 2, 0);
-  plant.bearing_lat = table.number_in("bearing_lat_m", -plant.plan_lat / 2, plant.plan_lat / 2, 0);
-  if (table.has("stick")) {
-    plant.sticks.clear();
-    for (const auto& stick : table.tables("stick")) plant.sticks.push_back(read_stick(stick));
-  }
-  table.reject_unknown_keys();
-  return plant;
-}
-
-sim::GroundMotion read_motion(const Config& table) {
-  MotionFiles files;
-  return read_motion(table, files);
 }
 
 sim::GroundMotion read_motion(const Config& table, MotionFiles& files) {
@@ -207,6 +177,23 @@ sim::GroundMotion read_motion(const Config& table, MotionFiles& files) {
   }
   table.reject_unknown_keys();
   return motion;
+}
+
+void read_earthquakes(const Config& file, Experiment& experiment) {
+  const bool is_response = file.table_or_empty("targets").text("kind", "") == "response";
+  auto& [name, motion] = experiment.earthquake;
+  // A test with commanded displacements needs no ground motion.
+  if (file.has("targets") && !file.has("motion") && !is_response) {
+    name = "commanded displacements";
+    motion = {experiment.time.integration_step, {0, 0}, {0, 0}};
+  } else {
+    const Config table = file.table("motion");
+    name = table.text("name", table.text("file", ""));
+    motion = read_checked(table, experiment);
+  }
+  // As with `uncompensated`, an empty table is none.
+  if (const Config held_out = file.table_or_empty("held_out"); !held_out.keys().empty())
+    experiment.held_out = read_checked(held_out, experiment);
 }
 
 }  // namespace rths::experiment

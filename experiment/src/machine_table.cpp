@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/experiment/test_setup.hpp>
+#include <rths/experiment/machine_table.hpp>
 
 namespace rths::experiment {
 namespace {
