@@ -94,7 +94,7 @@ TEST(Plan, ProposesASectionAtRestByTheClock) {
     record.start = 1.7e9;
   }
 
-  const std::string remedy = plan(c, {}).noise_remedy;
+  const std::string remedy = plan(c, {}).noise.remedy;
 
   EXPECT_NE(remedy.find("quiet_s = [1700000000, 1700000002."), std::string::npos) << remedy;
 }
@@ -169,7 +169,7 @@ TEST(Plan, OffersAMeasurementOfTheNoise) {
   Case c = with_friction(0);
   for (auto& record : c.records) record.quiet.reset();
 
-  EXPECT_NE(diagnosis::plan(c).noise_remedy.find("quiet_s = [0, "), std::string::npos);
+  EXPECT_NE(diagnosis::plan(c).noise.remedy.find("quiet_s = [0, "), std::string::npos);
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ TEST(VerdictJson, HoldsPlaceCauseAndProof) {
   EXPECT_EQ(json["format"], 1);
   EXPECT_EQ(json["where"]["part"], "machine");
   EXPECT_EQ(json["where"]["of"], "residual");
-  const auto place = missing_verdict().where;
+  const auto place = missing_verdict().conclusion.where;
   EXPECT_NEAR(json["where"]["intervals_s"][0][1], place.intervals[0].second, 1e-6);
   EXPECT_NEAR(json["where"]["band_Hz"].back()[1], place.bands.back().second, 1e-6);
   const auto& cause = json["causes"][0];
@@ -139,7 +139,7 @@ TEST(WriteDiagnosis, RemovesTheModelOfAnEarlierDiagnosis) {
   const auto first = write_diagnosis(missing_verdict(), out);
   EXPECT_FALSE(first.improved) << "the case has no file";
   ASSERT_TRUE(first.fragment);
-  EXPECT_EQ(test::content_of(*first.fragment), missing_verdict().fragment);
+  EXPECT_EQ(test::content_of(*first.fragment), missing_verdict().improvement.fragment);
   const auto second = write_diagnosis(none_verdict(), out);
 
   EXPECT_FALSE(second.fragment);
