@@ -158,7 +158,7 @@ std::optional<replicated::CardOptions> cards_of(const Experiment& experiment) {
   if (!experiment.cards) return std::nullopt;
   std::vector<std::string> names;
   for (const auto& plan : experiment.nodes) names.push_back(plan.node);
-  auto cards = replicated::read_cards(experiment.cards->table, experiment.cards->faults, names);
+  auto cards = replicated::read_cards(experiment.cards->cards, experiment.cards->faults, names);
   cards.seed = experiment.seed;
   return cards;
 }

@@ -284,8 +284,8 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   if (test.command.targets_carry_rates)
     throw Error{experiment.file.string() +
                 ": the targets carry rates, which a mismatch budget does not repeat"};
-  test.specimen_identified = improved.model;
-  test.machine_identified = improved.assumed_machine;
+  test.specimen_identified = improved.model.bearing;
+  test.machine_identified = improved.model.machine;
   std::array<budget::TransferRecord, 2> records;
   for (std::size_t i = 0; i < 2; ++i)
     if (test.tested[i])
