@@ -6,8 +6,6 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
-#include <gtucore.h>
-
 #include <rths/card/gt_queue.hpp>
 #include <rths/card/gt_registers.hpp>
 

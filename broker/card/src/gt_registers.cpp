@@ -4,8 +4,6 @@
 #include <array>
 #include <ctime>
 
-#include <gtucore.h>
-
 namespace rths::scramnet {
 namespace {
 
@@ -22,39 +20,39 @@ constexpr std::uint32_t kOwn = 0x100;
 constexpr std::uint32_t kWhole = 0xFFFF'FFFF;
 
 constexpr auto kStates = [] {
-  std::array<State, SCGT_READ_BYPASS_ENABLE + 1> states{};
+  std::array<State, gt_state::kReadBypassEnable + 1> states{};
   const auto control = [](std::uint32_t shift) { return State{gt::kLinkControl, shift, 1}; };
   const auto status = [](std::uint32_t shift) {
     return State{gt::kLinkStatus, shift, 1, Access::ReadOnly};
   };
-  states[SCGT_NODE_ID] = {gt::kLinkControl, gt::kNodeIdShift, 0xFF};
-  states[SCGT_ACTIVE_LINK] = control(4);
-  states[SCGT_NUM_LINK_ERRS] = {kOwn | 0, 0, kWhole, Access::Ignored};
-  states[SCGT_EWRAP] = control(19);
-  states[SCGT_WRITE_ME_LAST] = control(20);
-  states[SCGT_UNICAST_INT_MASK] = {gt::kUnicastMask, 0, 1};
-  states[SCGT_BROADCAST_INT_MASK] = {gt::kBroadcastMask, 0, kWhole};
-  states[SCGT_INT_SELF_ENABLE] = control(21);
-  states[SCGT_RING_SIZE] = {gt::kLinkStatus, 24, 0xFF, Access::ReadOnly};
-  states[SCGT_UPSTREAM_NODE_ID] = {gt::kMisc, 24, 0xFF, Access::ReadOnly};
-  states[SCGT_NET_TIMER_VAL] = {gt::kTimer, 0, kWhole};
-  states[SCGT_LATENCY_TIMER_VAL] = {gt::kLatency, 0, kWhole};
-  states[SCGT_SM_TRAFFIC_CNT] = {kOwn | 2, 0, kWhole};
-  states[SCGT_SPY_SM_TRAFFIC_CNT] = {kOwn | 3, 0, kWhole};
-  states[SCGT_SPY_NODE_ID] = {gt::kLinkControl, 24, 0xFF};
-  states[SCGT_TRANSMIT_ENABLE] = control(16);
-  states[SCGT_RECEIVE_ENABLE] = control(17);
-  states[SCGT_RETRANSMIT_ENABLE] = control(18);
-  states[SCGT_LASER_0_ENABLE] = control(0);
-  states[SCGT_LASER_1_ENABLE] = control(1);
-  states[SCGT_LINK_UP] = status(17);
-  states[SCGT_LASER_0_SIGNAL_DET] = status(18);
-  states[SCGT_LASER_1_SIGNAL_DET] = status(19);
-  states[SCGT_D64_ENABLE] = {gt::kUser, 4, 1, Access::Inverted};
-  states[SCGT_BYTE_SWAP_ENABLE] = {gt::kUser, 1, 1, Access::OnlyZero};
-  states[SCGT_WORD_SWAP_ENABLE] = {gt::kUser, 0, 1, Access::OnlyZero};
-  states[SCGT_LINK_ERR_INT_ENABLE] = {kOwn | 4, 0, 1};
-  states[SCGT_READ_BYPASS_ENABLE] = {kOwn | 5, 0, 1};
+  states[gt_state::kNodeId] = {gt::kLinkControl, gt::kNodeIdShift, 0xFF};
+  states[gt_state::kActiveLink] = control(4);
+  states[gt_state::kLinkErrors] = {kOwn | 0, 0, kWhole, Access::Ignored};
+  states[gt_state::kWrap] = control(19);
+  states[gt_state::kWriteMeLast] = control(20);
+  states[gt_state::kUnicastMask] = {gt::kUnicastMask, 0, 1};
+  states[gt_state::kBroadcastMask] = {gt::kBroadcastMask, 0, kWhole};
+  states[gt_state::kInterruptSelf] = control(21);
+  states[gt_state::kRingSize] = {gt::kLinkStatus, 24, 0xFF, Access::ReadOnly};
+  states[gt_state::kUpstreamNodeId] = {gt::kMisc, 24, 0xFF, Access::ReadOnly};
+  states[gt_state::kNetTimer] = {gt::kTimer, 0, kWhole};
+  states[gt_state::kLatencyTimer] = {gt::kLatency, 0, kWhole};
+  states[gt_state::kTrafficCount] = {kOwn | 2, 0, kWhole};
+  states[gt_state::kSpyTrafficCount] = {kOwn | 3, 0, kWhole};
+  states[gt_state::kSpyNodeId] = {gt::kLinkControl, 24, 0xFF};
+  states[gt_state::kTransmitEnable] = control(16);
+  states[gt_state::kReceiveEnable] = control(17);
+  states[gt_state::kRetransmitEnable] = control(18);
+  states[gt_state::kLaser0Enable] = control(0);
+  states[gt_state::kLaser1Enable] = control(1);
+  states[gt_state::kLinkUp] = status(17);
+  states[gt_state::kLaser0Signal] = status(18);
+  states[gt_state::kLaser1Signal] = status(19);
+  states[gt_state::kD64Enable] = {gt::kUser, 4, 1, Access::Inverted};
+  states[gt_state::kByteSwapEnable] = {gt::kUser, 1, 1, Access::OnlyZero};
+  states[gt_state::kWordSwapEnable] = {gt::kUser, 0, 1, Access::OnlyZero};
+  states[gt_state::kLinkErrorInterrupt] = {kOwn | 4, 0, 1};
+  states[gt_state::kReadBypassEnable] = {kOwn | 5, 0, 1};
   return states;
 }();
 
@@ -102,8 +100,8 @@ void write_cr(GtCard& card, std::uint32_t index, std::uint32_t value, std::int64
 
 bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id) {
   if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
-  if (type == SCGT_UNICAST_INTR) return is_set(card, gt::kUnicastMask, 1);
-  return type == SCGT_BROADCAST_INTR && id < 32 && is_set(card, gt::kBroadcastMask, 1U << id);
+  if (type == gt_interrupt::kUnicast) return is_set(card, gt::kUnicastMask, 1);
+  return type == gt_interrupt::kBroadcast && id < 32 && is_set(card, gt::kBroadcastMask, 1U << id);
 }
 
 std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring,
@@ -114,7 +112,7 @@ std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring
   const std::uint32_t word =
       own ? card.own[state.index & ~kOwn].load() : read_cr(card, state.index, ring, now);
   const std::uint32_t value = word >> state.shift & state.mask;
-  if (id == SCGT_RING_SIZE) return value + 1;
+  if (id == gt_state::kRingSize) return value + 1;
   return state.access == Access::Inverted ? 1 - value : value;
 }
 
@@ -124,7 +122,7 @@ StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value, std::
   if (state.access == Access::ReadOnly) return StateResult::BadParameter;
   if (state.access == Access::Ignored) return StateResult::Ok;
   if (state.access == Access::OnlyZero && value != 0) return StateResult::Unsupported;
-  if (state.mask == 1 && id != SCGT_UNICAST_INT_MASK) value = value != 0 ? 1 : 0;
+  if (state.mask == 1 && id != gt_state::kUnicastMask) value = value != 0 ? 1 : 0;
   if (state.access == Access::Inverted) value = 1 - value;
   const std::uint32_t field = state.mask << state.shift;
   const std::uint32_t bits = (value & state.mask) << state.shift;

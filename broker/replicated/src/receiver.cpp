@@ -3,8 +3,6 @@
 // The effect of a message on a card that has received its last bit.
 #include "engine.hpp"
 
-#include <gtucore.h>
-
 #include <rths/card/bits.hpp>
 #include <rths/card/fifo.hpp>
 #include <rths/card/interrupts.hpp>
@@ -91,7 +89,7 @@ void Engine::store_gt(Node& node, const Message& message, bool own) {
 bool Engine::queue_gt(Node& node, const Message& message, bool own) {
   const GtCard& card = *node.gt;
   const bool unicast = message.content == Content::Unicast;
-  const std::uint32_t type = unicast ? SCGT_UNICAST_INTR : SCGT_BROADCAST_INTR;
+  const std::uint32_t type = unicast ? gt_interrupt::kUnicast : gt_interrupt::kBroadcast;
   if (own && !is_set(card, gt::kLinkControl, gt::kInterruptSelf)) return false;
   if (unicast && message.address != node_id(card)) return false;
   if (!accepts(card, type, message.address)) return false;

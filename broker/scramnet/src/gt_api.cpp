@@ -11,6 +11,11 @@ using namespace rths::scramnet;
 
 namespace {
 
+static_assert(gt_state::kRingSize == SCGT_RING_SIZE && gt_state::kLinkUp == SCGT_LINK_UP &&
+              gt_state::kReadBypassEnable == SCGT_READ_BYPASS_ENABLE &&
+              gt_interrupt::kUnicast == SCGT_UNICAST_INTR &&
+              gt_interrupt::kBroadcast == SCGT_BROADCAST_INTR);
+
 constexpr uint32 kNoValue = 0xFFFF'FFFF;
 constexpr uint32 kRegisterBytes = 0x100, kManagementBytes = 0x2000;
 constexpr uint32 kSendBroadcast = 0x1000, kSendUnicast = 0x1800;

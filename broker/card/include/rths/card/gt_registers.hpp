@@ -21,6 +21,43 @@ inline constexpr std::uint32_t kLinkUp = 0x2'0000, kSignal0 = 0x4'0000, kSignal1
 inline constexpr std::uint32_t kSwaps = 0x3;
 }  // namespace gt
 
+/// States of a card, and types of interrupt, by their numbers in the vendor's API.
+namespace gt_state {
+enum : std::uint32_t {
+  kNodeId,
+  kActiveLink,
+  kLinkErrors,
+  kWrap,
+  kWriteMeLast,
+  kUnicastMask,
+  kBroadcastMask,
+  kInterruptSelf,
+  kRingSize,
+  kUpstreamNodeId,
+  kNetTimer,
+  kLatencyTimer,
+  kTrafficCount,
+  kSpyTrafficCount,
+  kSpyNodeId,
+  kTransmitEnable,
+  kReceiveEnable,
+  kRetransmitEnable,
+  kLaser0Enable,
+  kLaser1Enable,
+  kLinkUp,
+  kLaser0Signal,
+  kLaser1Signal,
+  kD64Enable,
+  kByteSwapEnable,
+  kWordSwapEnable,
+  kLinkErrorInterrupt,
+  kReadBypassEnable
+};
+}
+namespace gt_interrupt {
+enum : std::uint32_t { kUnicast, kBroadcast };
+}
+
 /// Statistics of a card, by index.
 enum GtCount : std::uint32_t { kReceived, kSent, kMissed, kReads, kWrites };
 
