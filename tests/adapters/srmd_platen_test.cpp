@@ -3,7 +3,7 @@
 
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/adapters/srmd_platen.hpp>
-#include <rths/experiment/parts.hpp>
+#include <rths/experiment/experiment.hpp>
 
 #include "sim/machine/srmd_file.hpp"
 #include "support/bench.hpp"

@@ -61,8 +61,8 @@ class ClosedLoop : public ::testing::Test {
   // Specimen and machine as the laboratory has them; the transfer system is identified.
   [[nodiscard]] experiment::Experiment as_in_the_laboratory() const {
     auto improved = experiment;
-    improved.model = experiment.specimen;
-    improved.assumed_machine = experiment.machine.simulated;
+    improved.model.bearing = experiment.specimen;
+    improved.model.machine = experiment.machine.simulated;
     return improved;
   }
   [[nodiscard]] double difference(const budget::Response& response) const {

@@ -103,7 +103,7 @@ TEST_F(ExperimentTest, IsReadWithItsDefaults) {
 }
 
 TEST_F(ExperimentTest, HasVerticalMotionOnlyOnRequest) {
-  EXPECT_TRUE(load_experiment(write()).motion.vert_acceleration.empty());
+  EXPECT_TRUE(load_experiment(write()).earthquake.motion.vert_acceleration.empty());
   const Experiment e = load_experiment(write(), {{"motion.column_vert", "1"}});
 
   EXPECT_EQ(e.earthquake.motion.vert_acceleration, e.earthquake.motion.long_acceleration);
@@ -141,7 +141,7 @@ TEST_F(ExperimentTest, ImprovesItsModelWithTheTermsOfADiagnosis) {
   // The laboratory is unchanged.
   EXPECT_EQ(e.machine.simulated.axes[0].effective_mass, 113'371);
   EXPECT_EQ(e.specimen.terms.size(), load_experiment(write()).specimen.terms.size() + 1);
-  EXPECT_EQ(e.machine.simulated.terms.size(), load_experiment(write()).machine.terms.size());
+  EXPECT_EQ(e.machine.simulated.terms.size(), load_experiment(write()).machine.simulated.terms.size());
 }
 
 // A diagnosis writes a parameter with a value for each axis as a list.
@@ -357,7 +357,7 @@ TEST_F(ExperimentTest, HasTheCardsOfAReplicatedRingAndTheirFaultsInOrder) {
 
   ASSERT_TRUE(experiment.cards);
   const auto cards =
-      replicated::read_cards(experiment.cards->table, experiment.cards->faults, {"opf"});
+      replicated::read_cards(experiment.cards->cards, experiment.cards->faults, {"opf"});
   EXPECT_EQ(cards.fibre_m, 25);
   EXPECT_EQ(cards.csr2, 0xC040U);
   ASSERT_EQ(cards.faults.size(), 2U);

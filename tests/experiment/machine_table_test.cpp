@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/core/config.hpp>
-#include <rths/experiment/parts.hpp>
+#include <rths/experiment/machine_table.hpp>
 
 #include "support/files.hpp"
 

@@ -86,7 +86,7 @@ class PlausibleTest : public ::testing::Test {
   [[nodiscard]] sim::GroundMotion motion_of(const std::string& name) const {
     return app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d_ats.toml",
                                 {{"held_out", "{}"}, {"motion", "{file = " + file(name) + "}"}})
-        .motion;
+        .earthquake.motion;
   }
 
   test::TemporaryFolder folder;
@@ -223,7 +223,7 @@ TEST_F(PlausibleTest, ChannelsOfAStationAreChosenByTheirNumber) {
   const auto motion = app::load_experiment(test::source_tree() / "examples/srmd_lprb_2d_ats.toml",
                                            {{"held_out", "{}"},
                                             {"motion", of + ", column_long = 3, column_lat = 2}"}})
-                          .motion;
+                          .earthquake.motion;
   EXPECT_NEAR(motion.long_acceleration[325], 2 * 0.980665 * burst(3.25), 1e-6);
   EXPECT_NEAR(motion.lat_acceleration[325], 0.980665 * burst(3.25), 1e-6);
 }
@@ -279,7 +279,7 @@ class StrangersMotions : public ::testing::Test {
 };
 
 TEST_F(StrangersMotions, HaveTheSameValuesInAnyFormatAndUnit) {
-  const auto expected = load("g.csv").motion;
+  const auto expected = load("g.csv").earthquake.motion;
   ASSERT_NEAR(expected.time_step, 0.005, 1e-12);
   for (const auto& entry : std::filesystem::directory_iterator{motions_}) {
     const std::string name = entry.path().filename().string();
@@ -287,7 +287,7 @@ TEST_F(StrangersMotions, HaveTheSameValuesInAnyFormatAndUnit) {
     const Overrides step =
         name == "one_column.txt" ? Overrides{{"motion.time_step_s", "0.005"}} : Overrides{};
     ASSERT_EQ(error(name, step), "") << name;
-    const auto motion = load(name, step).motion;
+    const auto motion = load(name, step).earthquake.motion;
     EXPECT_NEAR(motion.time_step, 0.005, 1e-12) << name;
     ASSERT_EQ(motion.long_acceleration.size(), 2000U) << name;
     for (std::size_t i = 0; i < 2000; ++i)  // printed with six decimals of g

@@ -5,7 +5,7 @@
 
 #include <rths/adapters/adapter_runner.hpp>
 #include <rths/core/config.hpp>
-#include <rths/experiment/node.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/fmi/fmu_node.hpp>
 #include <rths/memmap/map.hpp>
 

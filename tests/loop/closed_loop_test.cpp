@@ -120,8 +120,9 @@ TEST(ClosedLoop, StaysNearTheClosedFormAlongThePathOfAPredictorCorrector) {
     const std::size_t steps = loop.steps();
     loop.tick();
     // The machine is a tick behind its command, which is negative damping: ωτ/2 = 0.5 %.
-    if (loop.steps() > steps)
+    if (loop.steps() > steps) {
       ASSERT_NEAR(pier.displacement(), expected(pier.time()), 0.05 * kLoad / kStiffness);
+    }
   }
   EXPECT_GT(spring.moves, 1000U);
 }

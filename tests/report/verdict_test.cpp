@@ -242,7 +242,7 @@ TEST(WriteDiagnosis, WritesTheMotionOfTheNextTest) {
             "time,displacement.long,vertical_force\n0,0,8000000\n0.5,0.25,9000000\n");
   const auto second = write_diagnosis(none_verdict(), folder.path());
 
-  EXPECT_FALSE(second.earthquake.motion);
+  EXPECT_FALSE(second.motion);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "next_test.csv"));
 }
 
