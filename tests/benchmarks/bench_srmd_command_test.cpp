@@ -40,30 +40,30 @@ TEST(SrmdBench, WritesItsFigures) {
   EXPECT_EQ(results["family"]["petrolia 1-D, paper"]["tests"], 1);
 }
 
-std::vector<std::string> bench_arguments(const std::filesystem::path& json,
+std::vector<std::string> bench_arguments(const std::filesystem::path& file,
                                          const std::string& seconds = "10") {
   return {"bench",     "srmd",  "--draws", "1", "--records", "1",
-          "--seconds", seconds, "--jobs",  "2", "--json",    json.string()};
+          "--seconds", seconds, "--jobs",  "2", "--json",    file.string()};
 }
 
-std::filesystem::path partial_of(std::filesystem::path json) { return json += ".partial"; }
+std::filesystem::path partial_of(std::filesystem::path file) { return file += ".partial"; }
 
 // Starts the benchmark and kills it when `tests` of its four tests are finished.
-void interrupt_bench(const std::filesystem::path& json, std::size_t tests) {
-  auto command = bench_arguments(json);
+void interrupt_bench(const std::filesystem::path& file, std::size_t tests) {
+  auto command = bench_arguments(file);
   command.insert(command.begin(), test::rths_command());
   const test::Running bench{command};
   const auto lines = [&] {
-    std::ifstream file{partial_of(json)};
-    return static_cast<std::size_t>(std::count(std::istreambuf_iterator<char>{file}, {}, '\n'));
+    std::ifstream partial{partial_of(file)};
+    return static_cast<std::size_t>(std::count(std::istreambuf_iterator<char>{partial}, {}, '\n'));
   };
   while (lines() < 1 + tests && test::is_running(bench.pid()))
     std::this_thread::sleep_for(std::chrono::milliseconds{10});
 }
 
 // Results without times.
-Json figures_of(const std::filesystem::path& json) {
-  Json results = test::json_of(json);
+Json figures_of(const std::filesystem::path& file) {
+  Json results = test::json_of(file);
   results.erase("step_us");
   return results;
 }
@@ -86,18 +86,18 @@ TEST(SrmdBench, ContinuesAnInterruptedRun) {
 
 TEST(SrmdBench, DoesNotRepeatFinishedTests) {
   const test::TemporaryFolder folder;
-  const auto json = folder.path() / "srmd.json";
-  interrupt_bench(json, 1);
-  std::string partial = test::content_of(partial_of(json));
+  const auto file = folder.path() / "srmd.json";
+  interrupt_bench(file, 1);
+  std::string partial = test::content_of(partial_of(file));
   const auto at = partial.find("\"limit_periods\":0");
   ASSERT_NE(at, std::string::npos) << partial;
   partial.replace(at, 17, "\"limit_periods\":7");
-  std::ofstream{partial_of(json)} << partial;
+  std::ofstream{partial_of(file)} << partial;
 
-  const auto run = test::run_rths(bench_arguments(json), 120);
+  const auto run = test::run_rths(bench_arguments(file), 120);
 
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json results = test::json_of(json);
+  const Json results = test::json_of(file);
   long limits = 0;
   for (const auto& row : results["rows"])
     for (const auto& test : row["tests"]) limits += test["limit_periods"].get<long>();
@@ -106,10 +106,10 @@ TEST(SrmdBench, DoesNotRepeatFinishedTests) {
 
 TEST(SrmdBench, RefusesFinishedTestsOfOtherOptions) {
   const test::TemporaryFolder folder;
-  const auto json = folder.path() / "srmd.json";
-  interrupt_bench(json, 0);
+  const auto file = folder.path() / "srmd.json";
+  interrupt_bench(file, 0);
 
-  const auto run = test::run_rths(bench_arguments(json, "11"), 60);
+  const auto run = test::run_rths(bench_arguments(file, "11"), 60);
 
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.err.find("another program or with other options"), std::string::npos) << run.err;
