@@ -30,18 +30,17 @@ function(rths_add folder)
   endif()
 endfunction()
 
-# rths_test(<folder> [MATHS] [PURE] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>]
+# rths_test(<folder> [MATHS] [SEPARATE] SOURCES <files> [DEPENDS <targets>] [LABEL <label>] [TIMEOUT <seconds>]
 #           [THREADS <patterns of tests>] [NOT_SANITIZED <reason>])
 #
 # The tests of a folder as one executable; each TEST is a ctest case. MATHS tests are optimized, as are those with the
-# label physics or realtime: the linker may take their copy of a template for the libraries too. PURE tests are
-# independent MATHS: under sanitizers, where processes start slowly, they run as four cases. The target rths_tested builds
-# all that are registered.
+# label physics or realtime: the linker may take their copy of a template for the libraries too. The target rths_tested
+# builds all that are registered.
 #
 # THREADS: tests in which threads of one process share data. The thread sanitizer runs these alone: it sees no other process,
 # and finds nothing in one thread. NOT_SANITIZED: no sanitizer runs the target, for this reason.
 function(rths_test folder)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "MATHS;PURE;SEPARATE" "LABEL;TIMEOUT;NOT_SANITIZED" "SOURCES;DEPENDS;THREADS")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "MATHS;SEPARATE" "LABEL;TIMEOUT;NOT_SANITIZED" "SOURCES;DEPENDS;THREADS")
   set(target rths_${folder}_test)
   add_executable(${target} ${arg_SOURCES})
   if(NOT arg_SEPARATE)
@@ -52,7 +51,7 @@ function(rths_test folder)
   if("nlohmann_json::nlohmann_json" IN_LIST arg_DEPENDS)
     target_link_libraries(${target} PRIVATE rths_test_json)
   endif()
-  if(arg_MATHS OR arg_PURE OR arg_LABEL MATCHES "physics|realtime")
+  if(arg_MATHS OR arg_LABEL MATCHES "physics|realtime")
     rths_compile_test(${target} rths_maths_test_headers -O1)
   else()
     # Built more often than run; the libraries have the preset's optimization.
@@ -72,22 +71,10 @@ function(rths_test folder)
   if(NOT arg_LABEL)
     set(arg_LABEL unit)
   endif()
-  if(arg_PURE AND RTHS_SANITIZER)
-    foreach(shard RANGE 3)
-      add_test(NAME ${target}_${shard} COMMAND ${target})
-      set_tests_properties(${target}_${shard} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600
-        ENVIRONMENT "GTEST_TOTAL_SHARDS=4;GTEST_SHARD_INDEX=${shard}")
-    endforeach()
-    return()
-  endif()
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT 120)
   endif()
   math(EXPR arg_TIMEOUT "${arg_TIMEOUT} * ${RTHS_SLOWNESS}")
-  set(alone OFF)
-  if(arg_LABEL STREQUAL realtime)
-    set(alone ON)
-  endif()
   set(environment)
   if(RTHS_SANITIZER)
     set(environment
@@ -99,7 +86,7 @@ function(rths_test folder)
     set(filter TEST_FILTER ${filter})
   endif()
   gtest_discover_tests(${target} DISCOVERY_TIMEOUT 60 ${filter}
-                       PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} RUN_SERIAL ${alone} ${environment})
+                       PROPERTIES LABELS ${arg_LABEL} TIMEOUT ${arg_TIMEOUT} ${environment})
 endfunction()
 
 # Why the sanitizer of this build does not run a target; empty: it runs it.
@@ -108,7 +95,7 @@ function(rths_reason_not_to_run threads not_sanitized result)
   if(RTHS_SANITIZER AND not_sanitized)
     set(reason "${not_sanitized}")
   elseif(RTHS_SANITIZER STREQUAL "thread" AND NOT threads)
-    set(reason "no threads of one process share data")
+    set(reason "declares no tests of threads, THREADS")
   endif()
   set(${result} "${reason}" PARENT_SCOPE)
 endfunction()

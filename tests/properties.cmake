@@ -63,7 +63,12 @@ rths_tests(rths_command_test "^(DoctorAndClean|CleanCommand)\\." RUN_SERIAL ON)
 
 # In real time, as those with the label realtime.
 rths_tests(rths_contradictions_test "InRealTime" LABELS realtime)
-rths_tests(rths_contradictions_test "InRealTime" RUN_SERIAL ON)
+
+# In real time with a limit of time of their own: they run alone. The other ones wait more than they compute, so
+# `./lab test` runs several of them at once.
+rths_tests(rths_wall_run_test "^(Of/Death|OpenSeesWall\\.RunsInRealTime|WallRun\\.(TakesAsLong|EndsWhen|ComesToRestWhen|IsNotCompleted))" RUN_SERIAL ON)
+rths_tests(rths_death_trial_test "." RUN_SERIAL ON)
+rths_tests(rths_foreign_node_test "StopsTheRunWithinTwoSeconds" RUN_SERIAL ON)
 
 # With RTHS_LONG=1, forty runs each.
 rths_tests(rths_death_trial_test "." TIMEOUT 1200)

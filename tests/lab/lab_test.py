@@ -186,6 +186,11 @@ set_tests_properties(Plain.Test PROPERTIES LABELS unit)
             session.repeat_alone()
         self.assertEqual((session.passed, session.failed), (0, 6))
 
+    def test_in_real_time_run_after_the_others(self):
+        tests = [runner.Test(1, "A", [], {"realtime"}), runner.Test(2, "B", [], {"system"}), runner.Test(3, "C", [], {"physics"})]
+        self.assertEqual([([test.number for test in group], count) for group, count in runner.in_groups(tests, 2)], [([2, 3], 2), ([1], 4)])
+        self.assertEqual(runner.in_groups([], 2), [])
+
     def test_without_ctest_have_failed(self):
         session = Session(jobs=1)
         with quiet():

@@ -22,6 +22,7 @@ class Test:
     command: list
     labels: set = field(default_factory=set)
     environment: tuple = ()
+    folder: str = None  # in which it runs
     has_more: bool = False  # fixtures, or a processor of its own
 
     @property
@@ -46,7 +47,7 @@ def tests_of(build, *arguments):
         values = {each["name"]: each["value"] for each in entry.get("properties", [])}
         has_more = bool(values.get("RUN_SERIAL") or values.get("FIXTURES_REQUIRED") or values.get("RESOURCE_LOCK"))
         found.append(Test(number, entry["name"], entry.get("command", []), set(values.get("LABELS", [])),
-                          tuple(sorted(values.get("ENVIRONMENT", []))), has_more))
+                          tuple(sorted(values.get("ENVIRONMENT", []))), values.get("WORKING_DIRECTORY"), has_more))
     return found
 
 
@@ -65,13 +66,13 @@ def batches_of(tests, most=60):
     return sorted((part for part in parts if len(part) > 1), key=len, reverse=True)
 
 
-def run_batch(batch, folder, timeout=600):
+def run_batch(batch, folder, timeout=1800):
     """Results of a program's tests in one process. Those that it did not reach have none."""
     flags, output = folder / f"{batch[0].number}.flags", folder / f"{batch[0].number}.xml"
     flags.write_text("--gtest_filter=" + ":".join(test.filter for test in batch) + "\n")
     environment = os.environ | dict(entry.split("=", 1) for entry in batch[0].environment)
     try:
-        subprocess.run([batch[0].command[0], f"--gtest_flagfile={flags}", f"--gtest_output=xml:{output}"], env=environment,
+        subprocess.run([batch[0].command[0], f"--gtest_flagfile={flags}", f"--gtest_output=xml:{output}"], env=environment, cwd=batch[0].folder,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL, timeout=timeout, check=False)
     except subprocess.TimeoutExpired:
         return []
@@ -106,16 +107,24 @@ def run_ctest(build, tests, label, jobs):
     return results.of_ctest(output)
 
 
+def in_groups(tests, jobs):
+    """Tests that ctest runs together, and how many at once. Those in real time wait more than they compute, but lose their
+    ticks beside tests that compute."""
+    in_real_time = [test for test in tests if "realtime" in test.labels]
+    others = [test for test in tests if "realtime" not in test.labels]
+    return [(group, count) for group, count in ((others, jobs), (in_real_time, 2 * jobs)) if group]
+
+
 def run(build, tests, label, jobs):
-    """Results of all these tests, each once."""
+    """Results of all these tests, each once; None: ctest did not run."""
     found = run_small(tests, jobs)
     done = {result.name for result in found}
-    others = [test for test in tests if test.name not in done]
-    if others:
-        rest = run_ctest(build, others, label, jobs)
+    for group, count in in_groups([test for test in tests if test.name not in done], jobs):
+        rest = run_ctest(build, group, label, count)
         if rest is None:
             return None
-        found += [result for result in rest if result.name not in done]
-        reached = {result.name for result in found}
-        found += [results.Result(test.name, "failed", output="ctest did not run it") for test in others if test.name not in reached]
+        names = {test.name for test in group}
+        found += [result for result in rest if result.name in names]
+        reached = {result.name for result in rest}
+        found += [results.Result(test.name, "failed", output="ctest did not run it") for test in group if test.name not in reached]
     return found
