@@ -42,7 +42,7 @@ rths_long(rths_real_data_test physics "\\.(Silverbox|MrDamper|FrictionDevice|Emp
 rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horizontal|Vertical|FourEffects|Heating|Against)")
 # Others that take long.
 rths_long(rths_judgement_test unit "Smallest\\.FaultThatIsFound")
-rths_long(rths_commissioning_command_test system "^(BeforeATestPage\\.HasCommands|Machines/PretestOfExample)")
+rths_long(rths_commissioning_command_test system "^Machines/PretestOfExample")
 rths_long(rths_bench_command_test system "^SrmdBench\\.DoesNotRepeat")
 
 # All tests of the cards: ctest -L scramnet
@@ -104,7 +104,7 @@ rths_tests(rths_replicated_clients_test "Handshake" TIMEOUT 700)
 rths_tests(rths_command_test "OnARingOfCards" TIMEOUT 600)
 
 # With RTHS_LONG=1, complete runs of the examples.
-rths_tests(rths_commissioning_command_test "^(BeforeATestPage|Machines/PretestOfExample)\\." TIMEOUT 1200)
+rths_tests(rths_commissioning_command_test "^Machines/PretestOfExample\\." TIMEOUT 1200)
 
 # With RTHS_LONG=1, a million writes on 256 nodes.
 rths_tests(rths_replicated_test "On256Nodes" TIMEOUT 1200)

@@ -28,6 +28,11 @@ class Missing(Exception):
     """A result file or a value in it does not exist."""
 
 
+def comments_in(text):
+    """Spans of the comments, which no reader sees."""
+    return [comment.span() for comment in re.finditer(r"<!--.*?-->", text, re.DOTALL)]
+
+
 class Node:
     """A value of a result file, for the fields of str.format: `rows[word].p50_ns`, `bearings[*].dual_ratio`."""
 
@@ -285,7 +290,7 @@ class Check:
             self.problems.append(f"{BINDINGS}: {page['file']} has no section '{title}'")
             return
         marks = bytearray(len(text))
-        for first, last in covered:
+        for first, last in covered + comments_in(text):
             marks[first:last] = b"\1" * (last - first)
         for begin, end in ranges:
             for number in NUMBER.finditer(text, begin, end):

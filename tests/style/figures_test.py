@@ -6,7 +6,7 @@ import pathlib
 import tempfile
 import unittest
 
-from figures import BINDINGS, Check, ranges_of
+from figures import BINDINGS, Check, comments_in, ranges_of
 
 RESULT = {"commit": "abc", "date": "2026-01-01", "machine": {}, "rows": [{"name": "word", "ns": 1.0461, "goal": None}]}
 TABLE = """
@@ -54,7 +54,7 @@ class Pages(unittest.TestCase):
             return set(check.problems)
         text = (check.root / page["file"]).read_text()
         before = problems(text)
-        waiting = check.unchecked[page["file"]]  # for a result that is not there
+        waiting = check.unchecked[page["file"]] + comments_in(text)  # for a result that is not there
         for begin, end in ranges_of(text, page):
             for i in range(begin + len(page["file"]) % STEP, end, STEP):
                 if text[i].isdecimal() and not any(first <= i < last for first, last in waiting):

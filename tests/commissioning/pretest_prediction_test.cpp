@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The commands of docs/before_a_test.md in the order of the page, and the prediction of a pretest
-// against the run that it predicts. Long.
+// The prediction of a pretest against the run that it predicts. Long.
 #include <filesystem>
 #include <string>
 
@@ -16,27 +15,11 @@ namespace {
 
 using Report = nlohmann::json;
 
-std::string commands_of(const std::string& page) {
-  const std::string begin = "```sh\n";
-  const auto at = page.find(begin) + begin.size();
-  return page.substr(at, page.find("```", at) - at);
-}
-
 test::Finished shell(const std::string& script, const std::filesystem::path& folder) {
   const std::string setup = "set -e\nexport PATH=" + (test::build_tree() / "bin").string() +
                             ":$PATH EXAMPLES=" + (test::source_tree() / "examples").string() +
                             "\ncd " + folder.string() + "\n";
   return test::Running{{"/bin/bash", "-c", setup + script}}.wait(1000);
-}
-
-TEST(BeforeATestPage, HasCommandsThatWorkInItsOrderAndEndWithGo) {
-  const test::TemporaryFolder folder;
-  const auto page = test::content_of(test::source_tree() / "docs/before_a_test.md");
-
-  const auto ran = shell(commands_of(page), folder.path());
-
-  EXPECT_EQ(ran.exit_code, 0) << ran.out << ran.err;
-  EXPECT_TRUE(ran.out.ends_with("go\n")) << ran.out;
 }
 
 /// An example, and what gives the simulation the specimen and the friction of the laboratory. The
