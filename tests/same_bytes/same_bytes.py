@@ -2,12 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Compares two builds: same input, same bytes.
 
-    same_bytes.py OLD NEW [--set KEY=VALUE]… [--only PATTERN] [--cases FOLDER] [--out FOLDER]
+    same_bytes.py OLD NEW [--set KEY=VALUE]… [--no-diagnosis] [--only PATTERN] [--cases FOLDER] [--out FOLDER]
 
 OLD and NEW are `rths` commands, each with its share/ folder beside it. Both run every experiment of this tree's examples in
 virtual time and diagnose every case below --cases, such as those that `rths bench diagnosis --out` has made. Equal must be: exit
 status, standard output, standard error, the set of files, each recording outside /meta, and every other file byte by byte, but
-for the seconds of a diagnosis and the version of the program. Exit status 1: something differs. Needs h5diff.
+for the time of the run, the seconds that it took and the version of the program. Exit status 1: something differs. Needs h5diff.
 """
 import argparse
 import concurrent.futures
@@ -22,7 +22,7 @@ import tempfile
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 LIMIT_S = 3000
-VARYING = re.compile(rb'"(seconds|version|wall_time_s)": *[^,}\n]*|\b\d+(\.\d+)? s\b of the processor')
+VARYING = re.compile(rb'"(seconds|version|started|times_real_time|wall_time_s)": *("[^"]*"|[^,}\s]*)|^rths: step .*, \d+ s$\n?', re.M)
 
 
 def experiments():
@@ -81,12 +81,13 @@ def main():
     parser.add_argument("old", type=lambda text: str(pathlib.Path(text).resolve()))
     parser.add_argument("new", type=lambda text: str(pathlib.Path(text).resolve()))
     parser.add_argument("--set", action="append", default=[], help="changes every experiment")
+    parser.add_argument("--no-diagnosis", action="store_true", help="of the examples; their recordings are the same")
     parser.add_argument("--only", default="*", help="names of experiments and cases")
     parser.add_argument("--cases", type=pathlib.Path, help="folder of cases")
     parser.add_argument("--out", type=pathlib.Path, help="keeps the results here")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     options = parser.parse_args()
-    changes = [word for change in options.set for word in ("--set", change)]
+    changes = ["--no-diagnosis"] * options.no_diagnosis + [word for change in options.set for word in ("--set", change)]
     plan = [(f"examples/{file.relative_to(EXAMPLES).with_suffix('')}",
              ["run", str(file), "--clock", "virtual", "--out", "out", *changes]) for file in experiments()]
     if options.cases:
