@@ -14,6 +14,7 @@ namespace rths::budget {
 namespace {
 
 using Eigen::Vector2d;
+using Eigen::VectorXd;
 
 constexpr double kRounding = 1e-9;  // of a count of steps times their length [s]
 
@@ -42,7 +43,26 @@ loop::ClosedLoopSettings settings_of(const HybridTest& test, Parts identified) {
   return settings;
 }
 
-void append(const Eigen::VectorXd& target, Response& response) {
+/// In place of a transfer system: the force that a test fed to its integrator, by step.
+class RecordedForce final : public loop::TransferSystem {
+ public:
+  explicit RecordedForce(const std::array<std::vector<double>, 2>& force) : recorded_{force} {}
+  void send(std::size_t /*controller_tick*/, const loop::Command& command) override {
+    displacement_ = command.displacement;
+  }
+  void move(std::size_t found, const VectorXd& /*forces*/) override {
+    force_ = Vector2d{recorded_[0][found - 1], recorded_[1][found - 1]};
+  }
+  void measure(const VectorXd& /*target*/, const loop::Command& /*last*/) override {}
+  [[nodiscard]] const VectorXd& displacement() const override { return displacement_; }
+  [[nodiscard]] const VectorXd& force() const override { return force_; }
+
+ private:
+  const std::array<std::vector<double>, 2>& recorded_;
+  VectorXd displacement_ = VectorXd::Zero(2), force_ = displacement_;
+};
+
+void append(const VectorXd& target, Response& response) {
   response[0].push_back(target[0]);
   response[1].push_back(target[1]);
 }
@@ -91,22 +111,6 @@ Response run_with_its_steps(const HybridTest& test, Parts identified) {
 
 }  // namespace
 
-std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reach) {
-  std::vector<double> noise(signal.size(), 0.0);
-  const auto m = static_cast<double>(reach);
-  // Weights of the smoothing parabola at its middle.
-  const double divisor = (2 * m - 1) * (2 * m + 1) * (2 * m + 3) / 3;
-  for (std::size_t i = reach; i + reach < signal.size(); ++i) {
-    double smooth = 0;
-    for (std::size_t j = 0; j <= 2 * reach; ++j) {
-      const double x = static_cast<double>(j) - m;
-      smooth += (3 * m * m + 3 * m - 1 - 5 * x * x) / divisor * signal[i + j - reach];
-    }
-    noise[i] = signal[i] - smooth;
-  }
-  return noise;
-}
-
 Response closed_loop(const HybridTest& test, Parts identified) {
   stop_if_interrupted();
   return has(identified, Part::Numerical) ? run_with_its_steps(test, identified)
@@ -115,13 +119,13 @@ Response closed_loop(const HybridTest& test, Parts identified) {
 
 Response replayed(const HybridTest& test, const std::array<std::vector<double>, 2>& force) {
   sim::PlantAnalysis analysis = analysis_of(test);
+  RecordedForce recorded{force};
+  loop::ClosedLoop loop{analysis, recorded, settings_of(test, kNone)};
   Response response;
   const std::size_t steps = std::min(force[0].size(), force[1].size());
-  for (std::size_t k = 0; k < steps; ++k) {
-    const Vector2d target = analysis.predict();
-    for (std::size_t i = 0; i < 2; ++i)
-      response[i].push_back(test.tested[i] ? target[static_cast<Eigen::Index>(i)] : 0);
-    analysis.correct({force[0][k], force[1][k]});
+  while (loop.targets() < steps) {
+    loop.tick();
+    append(loop.target(), response);
   }
   return response;
 }

@@ -37,6 +37,22 @@ std::vector<double> noise_beside(const std::vector<double>& measured,
 
 }  // namespace
 
+std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reach) {
+  std::vector<double> noise(signal.size(), 0.0);
+  const auto m = static_cast<double>(reach);
+  // Weights of the smoothing parabola at its middle.
+  const double divisor = (2 * m - 1) * (2 * m + 1) * (2 * m + 3) / 3;
+  for (std::size_t i = reach; i + reach < signal.size(); ++i) {
+    double smooth = 0;
+    for (std::size_t j = 0; j <= 2 * reach; ++j) {
+      const double x = static_cast<double>(j) - m;
+      smooth += (3 * m * m + 3 * m - 1 - 5 * x * x) / divisor * signal[i + j - reach];
+    }
+    noise[i] = signal[i] - smooth;
+  }
+  return noise;
+}
+
 std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
                                           const std::array<TransferRecord, 2>& records) {
   platen::ServoTransfer laboratory{test, test.machine_identified, test.specimen_identified};
