@@ -12,6 +12,7 @@
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
@@ -127,7 +128,7 @@ int check_limits(const std::string& file) {
   Config table;
   table.put("file", std::filesystem::absolute(file).string());
   experiment::Experiment setup;
-  setup.axes = {"long", "lat"};
+  setup.axes = names_of(kHorizontal);
   static_cast<void>(adapters::with_safety({}, table, setup));
   fmt::print("{}: limits of a safety layer; [node.srmd.safety] file = names it\n", file);
   return kOk;

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/command_line/write_file.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
@@ -24,11 +25,12 @@ using sim::LoopHistory;
 
 report::Panel loop_panel(const std::string& title, const LoopHistory& history, bool both_axes) {
   report::Panel panel{title, "displacement [mm]", "force [kN]", {}};
-  panel.curves.push_back({both_axes ? "long" : "", scaled(history.displacement_long, 1e3),
+  panel.curves.push_back({both_axes ? name_of(Axis::Long) : "",
+                          scaled(history.displacement_long, 1e3),
                           scaled(history.force_long, 1e-3)});
   if (both_axes)
-    panel.curves.push_back(
-        {"lat", scaled(history.displacement_lat, 1e3), scaled(history.force_lat, 1e-3)});
+    panel.curves.push_back({name_of(Axis::Lat), scaled(history.displacement_lat, 1e3),
+                            scaled(history.force_lat, 1e-3)});
   return panel;
 }
 

@@ -21,6 +21,7 @@
 #include <nlohmann/json.hpp>
 
 #include <rths/cases/case.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/problem.hpp>
 #include <rths/models/dynamic_relation.hpp>
@@ -212,7 +213,7 @@ void add_case(const std::filesystem::path& folder, Json& results) {
 
 void add_run(const std::filesystem::path& folder, Json& results) {
   const recording::Reader run{folder / "run.h5"};
-  for (const char* axis : {"long", "lat"}) {
+  for (const std::string& axis : names_of(kHorizontal)) {
     const auto record = session::transfer_record_of(recording::roles_of(run), run, axis, {});
     results.push_back(compared(std::string{"transfer system: "} + axis, transfer_problem(record)));
   }

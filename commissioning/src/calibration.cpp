@@ -15,6 +15,7 @@
 #include <rths/algebra/decompositions.hpp>
 #include <rths/commissioning/recorded.hpp>
 #include <rths/controller/robust_covariance.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -178,7 +179,7 @@ Calibration calibrate(const std::vector<std::filesystem::path>& files,
   Calibration calibration;
   calibration.files = files;
   calibration.settings = settings;
-  for (const char* name : {"long", "lat"}) {
+  for (const std::string& name : names_of(kHorizontal)) {
     std::vector<AxisCharacter> records;
     for (const auto& file : files) {
       const recording::Reader run{file};

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <rths/commissioning/recorded.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -81,7 +82,7 @@ std::string key_of(const EmptyTableRuns& runs, const char* key, Value value) {
   double values[2] = {0, 0};
   int count = 0;
   for (const auto& axis : runs.axes) {
-    const int i = axis.name == "long" ? 0 : 1;
+    const int i = axis.name == name_of(Axis::Long) ? 0 : 1;
     values[i] = value(axis.fit.machine);
     count = std::max(count, i + 1);
   }
@@ -122,7 +123,7 @@ EmptyTableRuns identify_empty_table(const std::vector<std::filesystem::path>& fi
   EmptyTableRuns runs;
   runs.files = files;
   runs.load = load;
-  for (const char* axis : {"long", "lat"}) {
+  for (const std::string& axis : names_of(kHorizontal)) {
     const auto recordings = recordings_of(files, axis);
     if (recordings.empty()) continue;
     try {
@@ -200,7 +201,8 @@ std::string toml_of(const EmptyTableRuns& runs, const std::string& block, const 
                                                             fit.machine.load_friction)
                                               : "");
   }
-  if (runs.axes.front().name == "lat") text += "# long: not identified; its zeros keep the place\n";
+  if (runs.axes.front().name == name_of(Axis::Lat))
+    text += "# long: not identified; its zeros keep the place\n";
   const double load = of_table ? 0 : runs.load;
   text += fmt::format("[{}]\n", block);
   text += key_of(runs, "effective_mass_kg", [](const auto& m) { return m.effective_mass; });

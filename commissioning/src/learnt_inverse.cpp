@@ -10,6 +10,7 @@
 
 #include <rths/adapters/block_settings.hpp>
 #include <rths/commissioning/recorded.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -72,7 +73,7 @@ LearntInverse learnt_inverse(const std::vector<std::filesystem::path>& files,
   LearntInverse found{files, block, {}};
   std::vector<recording::Reader> runs;
   for (const auto& file : files) runs.emplace_back(file);
-  for (const char* name : {"long", "lat"}) {
+  for (const std::string& name : names_of(kHorizontal)) {
     std::vector<Course> courses;
     std::string without;
     for (std::size_t i = 0; i < runs.size(); ++i) {
@@ -131,8 +132,9 @@ std::string toml_of(const LearntInverse& inverse) {
       "# Initial coefficients of the adaptive inverse, learnt in recorded runs:\n#   rths identify "
       "inverse";
   for (const auto& file : inverse.files) text += " " + file.string();
-  const bool has_lat = inverse.axes.back().name == "lat";
-  if (inverse.axes.front().name == "lat") text += "\n# long: did not learn; has the values of lat";
+  const bool has_lat = inverse.axes.back().name == name_of(Axis::Lat);
+  if (inverse.axes.front().name == name_of(Axis::Lat))
+    text += "\n# long: did not learn; has the values of lat";
   text += fmt::format("\n[{}]\n", inverse.block);
   for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
     const auto i = static_cast<Eigen::Index>(k);

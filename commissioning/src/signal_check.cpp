@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/commissioning/recorded.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::commissioning {
@@ -131,7 +132,7 @@ class Checks {
          const sim::Bearing* specimen) {
     for (const auto& roles : recording::roles_of(run).axes) {
       axes_.push_back(signals_of(run, roles));
-      const std::size_t i = roles.axis == "long" ? 0 : 1;
+      const std::size_t i = index_of(*axis_named(roles.axis));
       axes_.back().mass = machine.axes[i].effective_mass;
       require_motion(axes_.back());
     }
@@ -175,7 +176,7 @@ class Checks {
     for (const auto& axis : axes_)
       if (axis.has("displacement")) {
         const Samples& measured = axis.by_role.at("displacement");
-        motion[axis.roles.axis == "long" ? 0 : 1] = measured;
+        motion[index_of(*axis_named(axis.roles.axis))] = measured;
         count = measured.size();
       }
     for (auto& axis : motion)
@@ -196,7 +197,8 @@ class Checks {
       before = x;
       for (int i = 0; i < 2; ++i) force[static_cast<std::size_t>(i)].push_back(f[i]);
     }
-    for (auto& axis : axes_) axis.by_role["model force"] = force[axis.roles.axis == "long" ? 0 : 1];
+    for (auto& axis : axes_)
+      axis.by_role["model force"] = force[index_of(*axis_named(axis.roles.axis))];
   }
 
   void follow(std::size_t i, const std::string& before, const std::string& role) {

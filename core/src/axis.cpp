@@ -15,4 +15,8 @@ bool contains(std::span<const std::string> names, Axis axis) {
   return std::find(names.begin(), names.end(), name_of(axis)) != names.end();
 }
 
+std::array<bool, kHorizontal.size()> horizontal_among(std::span<const std::string> names) {
+  return {contains(names, Axis::Long), contains(names, Axis::Lat)};
+}
+
 }  // namespace rths

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
 
 namespace rths::experiment {
@@ -30,12 +31,7 @@ bool Experiment::solves_plant() const {
 }
 
 sim::GroundMotion Experiment::tested_motion() const {
-  sim::GroundMotion tested = earthquake.motion;
-  if (!contains(axes, "long"))
-    std::fill(tested.long_acceleration.begin(), tested.long_acceleration.end(), 0);
-  if (!contains(axes, "lat"))
-    std::fill(tested.lat_acceleration.begin(), tested.lat_acceleration.end(), 0);
-  return tested;
+  return earthquake.motion.along(horizontal_among(axes));
 }
 
 std::optional<double> Experiment::latest_end() const {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
@@ -55,9 +56,10 @@ std::string read_name(const Config& file) {
 }
 
 std::vector<std::string> read_axes(const Config& file) {
-  const auto axes = file.texts("axes", {"long", "lat"});
-  const bool known = std::all_of(axes.begin(), axes.end(),
-                                 [](const auto& axis) { return axis == "long" || axis == "lat"; });
+  const auto axes = file.texts("axes", names_of(kHorizontal));
+  const bool known = std::all_of(axes.begin(), axes.end(), [](const auto& axis) {
+    return horizontal_axis_named(axis).has_value();
+  });
   if (axes.empty() || axes.size() > 2 || !known || (axes.size() == 2 && axes[0] == axes[1]))
     file.fail("axes",
               fmt::format("axes are {}, expected [\"long\"], [\"lat\"] or both", toml_list(axes)));

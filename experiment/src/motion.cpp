@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
@@ -77,7 +78,7 @@ int column_of(const Config& table, const std::string& key, int column,
   const std::string name = "column_" + key;
   if (!table.has(name) && motion.has_one_component()) return 1;
   if (!table.has(name) && motion.has_channels) fail_without_channel(table, key, motion);
-  if (!table.has(name) && key != "vert") reject_vertical(table, key, column, motion);
+  if (!table.has(name) && key != name_of(Axis::Vert)) reject_vertical(table, key, column, motion);
   if (!table.has(name)) return column;
   if (motion.is_at2())
     table.fail(name, fmt::format("{} has no effect: {} is an .AT2 file, which has one component",
@@ -113,8 +114,8 @@ Component read_component(const Config& table, const std::string& key, int column
 void check_files(const Config& table) {
   if (!table.has("file")) return;
   const auto has_own = [&](const std::string& key) { return table.has("file_" + key); };
-  const bool needs_vertical = table.has("column_vert") && !has_own("vert");
-  if (has_own("long") && has_own("lat") && !needs_vertical)
+  const bool needs_vertical = table.has("column_vert") && !has_own(name_of(Axis::Vert));
+  if (has_own(name_of(Axis::Long)) && has_own(name_of(Axis::Lat)) && !needs_vertical)
     table.fail("file", "file has no effect: each component has a file of its own");
 }
 
@@ -154,11 +155,11 @@ const sim::MotionFile& MotionFiles::at(const std::filesystem::path& file) {
 
 sim::GroundMotion read_motion(const Config& table, MotionFiles& files) {
   check_files(table);
-  auto longitudinal = read_component(table, "long", 1, files);
-  auto lateral = read_component(table, "lat", 2, files);
+  auto longitudinal = read_component(table, name_of(Axis::Long), 1, files);
+  auto lateral = read_component(table, name_of(Axis::Lat), 2, files);
   std::optional<Component> vertical;
   if (table.has("column_vert") || table.has("file_vert"))
-    vertical = read_component(table, "vert", 3, files);
+    vertical = read_component(table, name_of(Axis::Vert), 3, files);
   extend(longitudinal, lateral, files);
   if (vertical) extend(longitudinal, *vertical, files);
   extend(longitudinal, lateral, files);

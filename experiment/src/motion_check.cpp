@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/experiment/check.hpp>
@@ -219,7 +220,7 @@ CheckedMotion check_motion_file(const std::filesystem::path& file) {
       if (read.has_channels)
         for (const char* key : {"column_long", "column_lat"})
           table.set(key, std::to_string(channel));
-      for (auto& remark : check_motion(table, read_motion(table, files), {"long"}))
+      for (auto& remark : check_motion(table, read_motion(table, files), {name_of(Axis::Long)}))
         checked.remarks.push_back(std::move(remark));
     }
     checked.file = read;

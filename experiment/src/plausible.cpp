@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
@@ -26,8 +27,6 @@ constexpr double kLongestAnalysis = 60;  // [s]
 constexpr double kBeyond = 5;            // times the machine's capacity
 constexpr double kFirstCommand = 0.005;  // from rest [m]: as the safety layer expects
 constexpr double kLongestPeriod = 10;    // of the weight on the specimen's initial stiffness [s]
-
-constexpr const char* kAxes[] = {"long", "lat"};
 
 [[noreturn]] void fail(const Experiment& experiment, const std::string& text) {
   throw Error{fmt::format("{}: {}", experiment.file.string(), text)};
@@ -57,14 +56,14 @@ void check_history(const Experiment& experiment, std::vector<std::string>& remar
     const std::string is_large = fmt::format(
         "commanded displacements of {} are up to {:.4g} m, the "
         "machine's stroke is {:g} m",
-        kAxes[axis], most, stroke);
+        name_of(kHorizontal[axis]), most, stroke);
     if (has_srmd(experiment) && most > kBeyond * stroke)
       fail(experiment, is_large + ": are they in mm?");
     if (has_srmd(experiment) && most > stroke) remarks.push_back(is_large);
     if (has_srmd(experiment) && std::abs(x.front()) > kFirstCommand)
       fail(experiment,
            fmt::format("the first command of {} is {:.4g} m, expected at most {:g} m from rest",
-                       kAxes[axis], x.front(), kFirstCommand));
+                       name_of(kHorizontal[axis]), x.front(), kFirstCommand));
   }
 }
 
@@ -93,7 +92,7 @@ void check_response(const Experiment& experiment, std::vector<std::string>& rema
     const double force = largest_size(axis == 0 ? response.force_long : response.force_lat);
     const auto limits = sim::srmd_machine().axes[axis].limits;
     const auto expected = fmt::format("along {}, the simulation expects {:.4g} m and {:.4g} kN",
-                                      kAxes[axis], motion, force * 1e-3);
+                                      name_of(kHorizontal[axis]), motion, force * 1e-3);
     if (weight > 0 && force > 2 * weight)
       fail(experiment,
            fmt::format("{} of a specimen that carries {:.4g} kN: are its parameters, the "
@@ -114,17 +113,17 @@ std::string describe_motion(const Experiment& experiment) {
   std::string text = fmt::format("ground motion: {} samples of {:g} s",
                                  experiment.earthquake.motion.long_acceleration.size(),
                                  experiment.earthquake.motion.time_step);
-  const auto add = [&](const char* name, const std::vector<double>& acceleration) {
+  const auto add = [&](Axis axis, const std::vector<double>& acceleration) {
     const auto sizes = sizes_of(acceleration, experiment.earthquake.motion.time_step);
     if (sizes.acceleration > 0)
       text +=
-          fmt::format("; {} {:.3g} g, {:.3g} m/s, {:.3g} m", name,
+          fmt::format("; {} {:.3g} g, {:.3g} m/s, {:.3g} m", name_of(axis),
                       sizes.acceleration / kStandardGravity, sizes.velocity, sizes.displacement);
   };
   const auto motion = experiment.tested_motion();
-  add(kAxes[0], motion.long_acceleration);
-  add(kAxes[1], motion.lat_acceleration);
-  add("vert", motion.vert_acceleration);
+  add(Axis::Long, motion.long_acceleration);
+  add(Axis::Lat, motion.lat_acceleration);
+  add(Axis::Vert, motion.vert_acceleration);
   return text;
 }
 

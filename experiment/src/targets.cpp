@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/contains.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/loop/numerical_response.hpp>
 #include <rths/sim/motion_file.hpp>
@@ -215,7 +215,7 @@ DisplacementHistory read_targets(const Config& table, const Experiment& experime
         fmt::format("kind is '{}', expected harmonic, sweep, noise, response or file", kind));
   table.reject_unknown_keys();
   for (std::size_t axis = 0; axis < 2; ++axis)
-    if (!contains(experiment.axes, axis == 0 ? "long" : "lat"))
+    if (!contains(experiment.axes, kHorizontal[axis]))
       std::fill(of_axis(history, axis).begin(), of_axis(history, axis).end(), 0.0);
   return history;
 }

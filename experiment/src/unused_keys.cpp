@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
 
 namespace rths::experiment {
@@ -120,7 +121,7 @@ void remark_untested(const Config& file, Experiment& experiment) {
   std::vector<std::string> unused;
   for (const char* name : {"motion", "held_out"}) {
     const Config table = file.table_or_empty(name);
-    for (const std::string axis : {"long", "lat"}) {
+    for (const std::string& axis : names_of(kHorizontal)) {
       if (contains(experiment.axes, axis)) continue;
       if (table.has("column_" + axis)) unused.push_back(fmt::format("{}.column_{}", name, axis));
       if (table.has("file") && table.has("file_" + axis))

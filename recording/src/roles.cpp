@@ -6,13 +6,12 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::recording {
 namespace {
-
-constexpr const char* kHorizontal[] = {"long", "lat"};
 
 /// A role of an axis: its key, its member, and the SRMD's word with {c} and {a} for
 /// controller and axis.
@@ -90,8 +89,8 @@ Roles read_roles(const Config& experiment) {
     roles.*role.name = table.text(role.key, node_with(nodes, role.adapters).value_or(role.usual));
   for (const auto& role : kSignalRoles)
     roles.*role.name = table.text(role.key, filled_in(role.usual, roles, ""));
-  const auto tested = experiment.texts("axes", {"long", "lat"});
-  for (const std::string axis : kHorizontal) {
+  const auto tested = experiment.texts("axes", names_of(kHorizontal));
+  for (const std::string& axis : names_of(kHorizontal)) {
     const Config own = table.table_or_empty(axis);
     AxisRoles names;
     names.axis = axis;
@@ -121,7 +120,7 @@ void check_roles(const Config& roles, const memmap::Map& map) {
     if (roles.has(role.key))
       static_cast<void>(roles.placed(role.key, [&] { return map.node(roles.text(role.key)); }));
   for (const auto& role : kSignalRoles) check(roles, role.key);
-  for (const char* axis : kHorizontal)
+  for (const std::string& axis : names_of(kHorizontal))
     for (const auto& role : kAxisRoles) check(roles.table_or_empty(axis), role.key);
 }
 

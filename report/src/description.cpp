@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/recording/roles.hpp>
@@ -189,7 +190,7 @@ std::vector<std::string> scope_of(const Config& file, const MachineNode& machine
   if (!differences.empty())
     scope.push_back("The model of the simulation differs in: " + list_of(differences) + ".");
   scope.push_back(structure_sentence(file));
-  const auto axes = file.texts("axes", {"long", "lat"});
+  const auto axes = file.texts("axes", names_of(kHorizontal));
   scope.push_back(fmt::format("Tested {}: {}. The rotations' commands are zero. {}",
                               axes.size() == 1 ? "axis" : "axes", list_of(axes),
                               vertical_sentence(file, machine)));

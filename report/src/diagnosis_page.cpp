@@ -81,7 +81,7 @@ Json response_data(const diagnosis::Verdict& verdict) {
     std::vector<double> time;
     for (std::size_t i = 0; i < axis.measured.size(); ++i)
       time.push_back(static_cast<double>(i + 1) * verdict.budget.integration_step);
-    responses.push_back({{"axis", axis.name},
+    responses.push_back({{"axis", name_of(axis.axis)},
                          {"time", curve(time, kMostTracePoints)},
                          {"measured", curve(axis.measured, kMostTracePoints)},
                          {"simulated", curve(axis.simulated, kMostTracePoints)},

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/roles.hpp>
 
@@ -40,7 +41,7 @@ std::vector<double> smoothed(const std::vector<double>& values) {
 
 AxisEvidence axis_of(const Reader& run, const NodeTicks& ticks, const Roles& roles,
                      const AxisRoles& names) {
-  const std::size_t index = names.axis == "lat" ? 1 : 0;
+  const std::size_t index = names.axis == name_of(Axis::Lat) ? 1 : 0;
   const std::string monitor = roles.monitor_of_controller();
   const sim::ServoAxis machine = sim::srmd_machine().axes[index];
   const auto named = [&](const std::string& name) { return word(run, ticks, name); };

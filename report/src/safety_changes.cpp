@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <rths/controller/safety.hpp>
+#include <rths/core/axis.hpp>
 
 #include "analysis.hpp"
 #include "conditions.hpp"
@@ -29,7 +30,7 @@ std::string axis_name(const Reader& run, double axis) {
   const auto count = static_cast<int>(axes.size());
   if (!is_code(axis, count + 1)) return "an axis";
   const auto index = static_cast<std::size_t>(axis);
-  return index < axes.size() ? axes[index].axis : "vert";
+  return index < axes.size() ? axes[index].axis : name_of(Axis::Vert);
 }
 
 std::string text_of(const Reader& run, std::size_t row) {

@@ -170,7 +170,7 @@ Json axis_budget_json(const budget::AxisBudget& axis) {
   Json shares = Json::object();
   for (unsigned i = 0; i < budget::kParts; ++i)
     shares[name_of(static_cast<budget::Part>(i))] = number(axis.share[i]);
-  return {{"axis", axis.name},
+  return {{"axis", name_of(axis.axis)},
           {"difference_before", number(axis.before)},
           {"difference_after", number(axis.after)},
           {"shares", shares},

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/loop/numerical_response.hpp>
@@ -24,8 +25,6 @@ namespace {
 
 using experiment::kReferenceStep;
 using experiment::NodePlan;
-constexpr const char* kDirections[] = {"long", "lat"};
-
 // Targets of an axis; zeros if it is not tested.
 std::vector<double> targets_of(const Experiment& experiment, const recording::Reader& reader,
                                const std::string& axis) {
@@ -54,8 +53,8 @@ experiment::DisplacementHistory recorded_targets(const Experiment& experiment,
                                                  const std::filesystem::path& file) {
   const recording::Reader reader{file};
   const auto steps = recorded_steps(experiment, reader);
-  const auto along = targets_of(experiment, reader, kDirections[0]);
-  const auto across = targets_of(experiment, reader, kDirections[1]);
+  const auto along = targets_of(experiment, reader, name_of(kHorizontal[0]));
+  const auto across = targets_of(experiment, reader, name_of(kHorizontal[1]));
   experiment::DisplacementHistory history;
   history.time_step = experiment.time.integration_step;
   history.displacement_long = {0};
@@ -131,8 +130,8 @@ void add_floors(ResultMap& result, const std::string& prefix,
   for (std::size_t i = 0; i < history.floors.size(); ++i) {
     const auto& floor = history.floors[i];
     const std::string name = fmt::format("{}floor.{}.accel.", prefix, i + 1);
-    result.add(name + kDirections[0], "m/s2", floor.acceleration_long);
-    result.add(name + kDirections[1], "m/s2", floor.acceleration_lat);
+    result.add(name + name_of(kHorizontal[0]), "m/s2", floor.acceleration_long);
+    result.add(name + name_of(kHorizontal[1]), "m/s2", floor.acceleration_lat);
   }
 }
 
@@ -183,8 +182,8 @@ struct BearingResponse {
   void write(const std::filesystem::path& recording) const {
     ResultMap result;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      result.add(std::string{"displ."} + kDirections[axis], "m", displacement[axis]);
-      result.add(std::string{"force."} + kDirections[axis], "N", force[axis]);
+      result.add(std::string{"displ."} + name_of(kHorizontal[axis]), "m", displacement[axis]);
+      result.add(std::string{"force."} + name_of(kHorizontal[axis]), "N", force[axis]);
     }
     result.write(recording, interval, {{{"floors", ""}}, {}, {}});
   }
@@ -279,7 +278,7 @@ BearingResponse response_in(const Experiment& experiment, const recording::Reade
     response.displacement[axis].assign(count, 0);
     response.force[axis].assign(count, 0);
     for (const auto& words : experiment.roles.axes) {
-      if (words.axis != kDirections[axis]) continue;
+      if (words.axis != name_of(kHorizontal[axis])) continue;
       response.displacement[axis] =
           by_step(times, recording::at_each_count(moves, run.signal(words.target)), step, count);
       // The force at a target is there when the next one comes.

@@ -167,12 +167,6 @@ budget::Compensation compensation_of(const Recorded& by, const std::vector<Confi
   return lead_of(by, name_of(kHorizontal[axis]));
 }
 
-std::array<bool, 2> tested_of(const Experiment& experiment) {
-  std::array<bool, 2> tested{};
-  for (std::size_t i = 0; i < 2; ++i) tested[i] = contains(experiment.axes, kHorizontal[i]);
-  return tested;
-}
-
 double relative_difference(const std::vector<double>& wanted, const std::vector<double>& found) {
   double apart = 0, all = 0;
   for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -186,7 +180,7 @@ double relative_difference(const std::vector<double>& wanted, const std::vector<
 
 loop::ForceCorrection correction_of(const Experiment& experiment) {
   budget::HybridTest test;
-  test.tested = tested_of(experiment);
+  test.tested = horizontal_among(experiment.axes);
   static_cast<void>(read_diagram(controller_of(experiment), test));
   return test.correction;
 }
@@ -194,7 +188,7 @@ loop::ForceCorrection correction_of(const Experiment& experiment) {
 budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& run) {
   budget::HybridTest test;
   test.plant = sim::assemble(experiment.plant.structure);
-  test.motion = experiment.earthquake.motion;
+  test.motion = experiment.tested_motion();
   test.alpha = experiment.solver.alpha;
   test.substeps = experiment.solver.substeps;
   test.implicit_stiffness = sim::initial_stiffness(experiment.model.bearing);
@@ -203,11 +197,7 @@ budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& ru
   test.rate = experiment.time.rate;
   const Roles& roles = experiment.roles;
   const NodeTicks ticks{run, roles.controller};
-  test.tested = tested_of(experiment);
-  if (!test.tested[0])
-    std::fill(test.motion.long_acceleration.begin(), test.motion.long_acceleration.end(), 0);
-  if (!test.tested[1])
-    std::fill(test.motion.lat_acceleration.begin(), test.motion.lat_acceleration.end(), 0);
+  test.tested = horizontal_among(experiment.axes);
   test.specimen_simulated = test.specimen_identified = experiment.model.bearing;
   test.machine_simulated = test.machine_identified = experiment.model.machine;
   const auto blocks = read_diagram(controller_of(experiment), test);
@@ -296,11 +286,11 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   const Roles& roles = experiment.roles;
   const NodeTicks ticks{run, roles.controller};
   for (auto& axis : found.axes) {
-    const AxisRoles* words = axis_of(roles, axis.name);
+    const AxisRoles* words = axis_of(roles, name_of(axis.axis));
     axis.tracking =
         relative_difference(ticks.values(words->command), ticks.values(words->displacement));
     if (held_out == nullptr) continue;
-    const auto unseen = transfer_record_of(roles, *held_out, axis.name, {});
+    const auto unseen = transfer_record_of(roles, *held_out, name_of(axis.axis), {});
     axis.held_out = budget::error_on(axis.transfer, unseen);
     axis.held_out_without = relative_difference(unseen.displacement, unseen.reference);
   }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
 #include <rths/experiment/improvement.hpp>
 #include <rths/experiment/machine_table.hpp>
@@ -27,7 +28,7 @@ Config without_actuator_terms(Config machine) {
 void put_hydraulics(const budget::MismatchBudget& found, Config& machine) {
   auto axes = experiment::read_machine(machine).axes;
   for (const auto& axis : found.axes) {
-    auto& one = axes[axis.name == "long" ? 0 : 1];
+    auto& one = axes[index_of(axis.axis)];
     one = budget::servo_axis(axis.transfer, one);
   }
   for (const auto& [key, member] : experiment::machine_keys())

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/session/companions.hpp>
@@ -24,7 +25,6 @@ using commissioning::HybridLoop;
 using commissioning::LinearLead;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kNames[] = {"long", "lat"};
 constexpr const char* kImposed = "imposed.h5";
 constexpr const char* kClosedLoop = "closed_loop.h5";
 constexpr const char* kNumerical = "numerical.h5";
@@ -45,8 +45,7 @@ double root_mean_square(const std::vector<double>& values) {
 }
 
 bool is_tested(const Experiment& experiment, std::size_t axis) {
-  return std::find(experiment.axes.begin(), experiment.axes.end(), kNames[axis]) !=
-         experiment.axes.end();
+  return contains(experiment.axes, kHorizontal[axis]);
 }
 
 // The numerical specimen is the bearing that the simulation assumes.
@@ -76,8 +75,8 @@ experiment::DisplacementHistory motion_in(const recording::Reader& numerical,
     }
     return found;
   };
-  history.displacement_long = read(kNames[0]);
-  history.displacement_lat = read(kNames[1]);
+  history.displacement_long = read(name_of(kHorizontal[0]));
+  history.displacement_lat = read(name_of(kHorizontal[1]));
   return history;
 }
 
@@ -255,7 +254,7 @@ class Steps {
     for (std::size_t i = 0; i < 2; ++i) {
       if (!is_tested(experiment_, i)) continue;
       AxisPrediction axis;
-      axis.name = kNames[i];
+      axis.name = name_of(kHorizontal[i]);
       identify_machine(run, axis);
       for (const double x : i == 0 ? motion_.displacement_long : motion_.displacement_lat)
         axis.peak = std::max(axis.peak, std::abs(x));
@@ -296,7 +295,7 @@ class Steps {
     closed.machine.simulated.specimen = closed.model.bearing;
     closed.machine.simulated.seed = experiment_.machine.simulated.seed;
     for (const auto& axis : result_.axes) {
-      auto& servo = closed.machine.simulated.axes[axis.name == "long" ? 0 : 1];
+      auto& servo = closed.machine.simulated.axes[index_of(*axis_named(axis.name))];
       servo = budget::servo_axis(axis.machine, servo);
     }
     return closed;
@@ -329,7 +328,8 @@ class Steps {
     begin("the stability of the loop");
     for (auto& axis : result_.axes) {
       predict_tracking(run, axis);
-      if (closed.solves_plant()) predict_stability(closed, run, axis.name == "long" ? 0 : 1, axis);
+      if (closed.solves_plant())
+        predict_stability(closed, run, index_of(*axis_named(axis.name)), axis);
     }
   }
 

@@ -28,8 +28,7 @@ Schedule schedule_of(const Experiment& experiment, const std::string& node) {
 }
 
 // Times of the scheduled steps of a node; empty if the recording lacks them.
-loop::TickTimes times_of(const Experiment& experiment, const Reader& run,
-                           const std::string& node) {
+loop::TickTimes times_of(const Experiment& experiment, const Reader& run, const std::string& node) {
   const auto late = run.meta_series(launch::kLateSeries + node);
   const auto duration = run.meta_series(launch::kDurationSeries + node);
   const Schedule schedule = schedule_of(experiment, node);

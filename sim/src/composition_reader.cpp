@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
+
 namespace rths::sim {
 namespace {
-
-constexpr std::string_view kAxisNames[] = {"long", "lat"};
 
 struct ChannelName {
   Channel channel;
@@ -26,10 +26,10 @@ unsigned read_axes(const Config& table, const TermKind& kind) {
                fmt::format("'{}' couples both axes; it cannot be limited to one", kind.name));
   unsigned axes = 0;
   for (const auto& axis : table.texts("axes")) {
-    const auto found = std::find(std::begin(kAxisNames), std::end(kAxisNames), axis);
-    if (found == std::end(kAxisNames))
+    const auto found = horizontal_axis_named(axis);
+    if (!found)
       table.fail("axes", fmt::format("axis '{}' is not known, expected long or lat", axis));
-    axes |= 1U << static_cast<unsigned>(found - std::begin(kAxisNames));
+    axes |= 1U << index_of(*found);
   }
   if (axes == 0) table.fail("axes", "axes is empty, expected long, lat or both");
   return axes;
@@ -86,7 +86,7 @@ void check_bounds(const Config& table, const std::string& key, const Parameter& 
 std::vector<TermSettings> by_axis(const TermSettings& settings) {
   std::vector<TermSettings> axes(kHorizontalAxes, settings);
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    axes[i].name += fmt::format(".{}", kAxisNames[i]);
+    axes[i].name += fmt::format(".{}", name_of(kHorizontal[i]));
     axes[i].axes = 1U << i;
   }
   return axes;

@@ -23,6 +23,13 @@ Eigen::Vector2d GroundMotion::at(double time) const noexcept {
   return {between(long_acceleration, position), between(lat_acceleration, position)};
 }
 
+GroundMotion GroundMotion::along(const std::array<bool, 2>& tested) const {
+  GroundMotion motion = *this;
+  if (!tested[0]) std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
+  if (!tested[1]) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
+  return motion;
+}
+
 double GroundMotion::vertical_at(double time) const noexcept {
   return vert_acceleration.empty() ? 0 : between(vert_acceleration, time / time_step);
 }

@@ -9,6 +9,7 @@
 #include <Eigen/Core>
 
 #include <rths/algebra/decompositions.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/require.hpp>
@@ -91,13 +92,13 @@ void check(const IsolatedPlant& plant) {
   require_ratio("the damping ratio", plant.damping_ratio);
   kRequirePlant.positive("the vertical frequency", plant.vertical_frequency);
   require_ratio("the vertical damping", plant.vertical_damping);
-  const auto stands_under = [](const char* axis, double at, double side) {
+  const auto stands_under = [](Axis axis, double at, double side) {
     kRequirePlant(std::abs(at) <= side / 2,
-                  fmt::format("the tested bearing's place along {}", axis), at,
+                  fmt::format("the tested bearing's place along {}", name_of(axis)), at,
                   fmt::format("a place under the basemat, {:g} to {:g} m", -side / 2, side / 2));
   };
-  stands_under("long", plant.bearing_long, plant.plan_long);
-  stands_under("lat", plant.bearing_lat, plant.plan_lat);
+  stands_under(Axis::Long, plant.bearing_long, plant.plan_long);
+  stands_under(Axis::Lat, plant.bearing_lat, plant.plan_lat);
   for (const auto& stick : plant.sticks) check(stick);
 }
 

@@ -130,10 +130,10 @@ TEST_F(ClosedLoop, IsExplainedByTheBudgetOfTheRun) {
     for (const double share : axis.share) sum += share;
     EXPECT_NEAR(sum, 1, 1e-9);
     EXPECT_NEAR(axis.remainder, std::pow(axis.after / axis.before, 2), 1e-9);
-    EXPECT_LT(axis.after, 0.03) << axis.name;
-    EXPECT_GT(axis.before, 3 * axis.after) << axis.name;
+    EXPECT_LT(axis.after, 0.03) << name_of(axis.axis);
+    EXPECT_GT(axis.before, 3 * axis.after) << name_of(axis.axis);
     // The controller corrects its force for the tracking error, but knows no heating of the lead.
-    EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Specimen)], 0.5) << axis.name;
+    EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Specimen)], 0.5) << name_of(axis.axis);
   }
 }
 
@@ -143,16 +143,16 @@ TEST_F(ClosedLoop, HasABudgetThatAddsUpWithoutAnyDifference) {
   const recording::Reader run{folder / "run.h5"};
   const Response simulated = closed_loop(hybrid, kNone);
 
-  const auto found =
-      mismatch_budget(hybrid, simulated,
-                      {session::transfer_record_of(experiment.roles, run, "long", hybrid.host.order),
-                       session::transfer_record_of(experiment.roles, run, "lat", hybrid.host.order)},
-                      force);
+  const auto found = mismatch_budget(
+      hybrid, simulated,
+      {session::transfer_record_of(experiment.roles, run, "long", hybrid.host.order),
+       session::transfer_record_of(experiment.roles, run, "lat", hybrid.host.order)},
+      force);
 
   for (const auto& axis : found.axes) {
-    EXPECT_EQ(axis.before, 0) << axis.name;
-    EXPECT_EQ(axis.remainder, 1) << axis.name;
-    for (const double share : axis.share) EXPECT_EQ(share, 0) << axis.name;
+    EXPECT_EQ(axis.before, 0) << name_of(axis.axis);
+    EXPECT_EQ(axis.remainder, 1) << name_of(axis.axis);
+    for (const double share : axis.share) EXPECT_EQ(share, 0) << name_of(axis.axis);
   }
 }
 
@@ -174,8 +174,8 @@ TEST_F(ClosedLoop, FindsTheLargestShareInTheTrackingOfAts) {
   const auto found = session::budget_of_run(experiment, as_in_the_laboratory(), run, nullptr);
   ASSERT_EQ(found.axes.size(), 2U);
   for (const auto& axis : found.axes) {
-    EXPECT_LT(axis.after, 0.03) << axis.name;
-    EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Tracking)], 0.5) << axis.name;
+    EXPECT_LT(axis.after, 0.03) << name_of(axis.axis);
+    EXPECT_GT(axis.share[static_cast<std::size_t>(Part::Tracking)], 0.5) << name_of(axis.axis);
   }
 }
 

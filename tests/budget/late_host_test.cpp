@@ -58,8 +58,8 @@ TEST_F(ClosedLoop, NamesTheLatenessOfTheHostAsAShare) {
     double sum = axis.remainder;
     for (const double share : axis.share) sum += share;
     EXPECT_NEAR(sum, 1, 1e-9);
-    EXPECT_LT(axis.after, 0.03) << axis.name;
-    EXPECT_NE(axis.share[static_cast<std::size_t>(Part::Host)], 0) << axis.name;
+    EXPECT_LT(axis.after, 0.03) << name_of(axis.axis);
+    EXPECT_NE(axis.share[static_cast<std::size_t>(Part::Host)], 0) << name_of(axis.axis);
   }
 }
 
@@ -142,8 +142,8 @@ TEST_F(ClosedLoop, GivesALatenessBelowAPeriodNoShareWorthNaming) {
 
   for (const auto& axis : found.axes) {
     const double share = axis.share[static_cast<std::size_t>(Part::Host)];
-    EXPECT_NE(share, 0) << axis.name;
-    EXPECT_LT(std::abs(share), 0.02) << axis.name;
+    EXPECT_NE(share, 0) << name_of(axis.axis);
+    EXPECT_LT(std::abs(share), 0.02) << name_of(axis.axis);
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 budget::MismatchBudget budget_with(double error) {
   budget::MismatchBudget found;
   budget::AxisBudget axis;
-  axis.name = "long";
+  axis.axis = Axis::Long;
   axis.transfer.error = error;
   axis.transfer.error_without = 0.4;
   axis.transfer.confidence = 0.8;

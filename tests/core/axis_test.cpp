@@ -34,6 +34,7 @@ TEST(Axis, IsFoundAmongNames) {
   EXPECT_EQ(names, (std::vector<std::string>{"long", "lat"}));
   EXPECT_TRUE(contains(names, Axis::Lat));
   EXPECT_FALSE(contains(names, Axis::Vert));
+  EXPECT_EQ(horizontal_among(std::vector<std::string>{"vert", "lat"}), (std::array{false, true}));
 }
 
 }  // namespace

@@ -10,13 +10,13 @@
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
 #include <rths/core/ascii.hpp>
+#include <rths/core/axis.hpp>
 
 #include "eigen_conversion.hpp"
 
 namespace rths::adapters {
 namespace {
 
-constexpr const char* kRotations[] = {"roll", "pitch", "yaw"};
 constexpr const char* kComponentNames[kComponents] = {"axial",   "shear_y",    "shear_z",
                                                       "torsion", "rotation_y", "rotation_z"};
 
@@ -44,8 +44,8 @@ void read_generic(const Config& table, OpenSeesElement& element) {
   if (names.empty()) table.fail("dofs", "an element has at least one degree of freedom");
   for (std::size_t i = 0; i < names.size(); ++i) {
     element.axes.push_back(read_axis(names[i], i));
-    element.is_rotation.push_back(std::find(std::begin(kRotations), std::end(kRotations),
-                                            element.axes.back().axis) != std::end(kRotations));
+    const auto axis = axis_named(element.axes.back().axis);
+    element.is_rotation.push_back(axis && kind_of(*axis) == AxisKind::Rotational);
   }
 }
 
@@ -214,7 +214,7 @@ SquareMatrix stiffness_of_bearing(const Config& table, const OpenSeesElement& el
                                   double of_bearing) {
   for (const auto& axis : element.axes)
     if (element.turns(axis.index) || (element.bearing && axis.index == kAxial) ||
-        axis.axis == "vert" || axis.axis == "compression")
+        axis.axis == name_of(Axis::Vert) || axis.axis == "compression")
       table.fail(
           "initial_stiffness",
           "initial_stiffness is missing: the experiment's bearing defines it for shear only; "

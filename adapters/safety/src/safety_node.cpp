@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/adapters/safe_machine.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/experiment.hpp>
 #include <rths/memmap/codec.hpp>
@@ -22,7 +23,6 @@ namespace {
 
 using controller::SafetyLimits;
 
-constexpr std::array kAxes = {"long", "lat", "vert"};  // order of the values
 constexpr std::int64_t kLimitsFormat = 1;
 constexpr double kBeyond = 100;  // times the limit of the file: a number in another unit
 
@@ -45,7 +45,7 @@ constexpr Key kKeys[] = {{"displacement_m", &SafetyLimits::displacement},
 
 // A limit that the file does not state is off.
 void read_values(const Config& table, const Key& key, double factor,
-                 std::array<SafetyLimits, kAxes.size()>& axes) {
+                 std::array<SafetyLimits, kTranslations.size()>& axes) {
   if (!table.has(key.key)) return;
   const auto values = table.numbers(key.key);
   if (values.size() < 2 || values.size() > axes.size())
@@ -70,8 +70,9 @@ void check_unit(const Config& file, const Config& changes, const char* key) {
 }
 
 // A change that states two numbers keeps the vertical limit of the file.
-std::array<SafetyLimits, kAxes.size()> read_limits(const Config& file, const Config& table) {
-  std::array<SafetyLimits, kAxes.size()> axes;
+std::array<SafetyLimits, kTranslations.size()> read_limits(const Config& file,
+                                                           const Config& table) {
+  std::array<SafetyLimits, kTranslations.size()> axes;
   const double margin = table.number_in("velocity_margin", 1, 10, 1.0);
   for (const auto& key : kKeys)
     for (const Config* source : {&file, &table})
@@ -110,8 +111,8 @@ SafeMachineSettings read_settings(const Config& changes, const Experiment& setup
     return std::any_of(words.begin(), words.end(),
                        [&](const auto& axis) { return axis.name == name; });
   };
-  for (std::size_t i = 0; i < kAxes.size(); ++i)
-    if (has_axis(kAxes[i])) safety.axes.push_back(limits[i]);
+  for (std::size_t i = 0; i < kTranslations.size(); ++i)
+    if (has_axis(name_of(kTranslations[i]))) safety.axes.push_back(limits[i]);
   // Checks what the keys cannot: relations between limits.
   static_cast<void>(
       changes.placed("safety", [&] { return controller::Safety{settings.safety}.state(); }));

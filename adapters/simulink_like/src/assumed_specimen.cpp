@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <rths/core/axis.hpp>
+
 namespace rths::adapters {
 namespace {
 
@@ -47,7 +49,7 @@ class AssumedSpecimen final : public controller::SpecimenModel {
 controller::MakeSpecimen assumed_specimen(const sim::Bearing& bearing,
                                           const std::vector<std::string>& axes, double period) {
   std::vector<Eigen::Index> directions;
-  for (const auto& axis : axes) directions.push_back(axis == "lat" ? 1 : 0);
+  for (const auto& axis : axes) directions.push_back(axis == name_of(Axis::Lat) ? 1 : 0);
   return [bearing, directions, period] {
     return std::make_unique<AssumedSpecimen>(bearing, directions, period);
   };

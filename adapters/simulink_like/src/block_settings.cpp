@@ -8,11 +8,10 @@
 #include <fmt/format.h>
 
 #include <rths/adapters/assumed_specimen.hpp>
+#include <rths/core/axis.hpp>
 
 namespace rths::adapters {
 namespace {
-
-constexpr const char* kAxisOrder[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 
 struct Range {
   double low, high;
@@ -29,8 +28,8 @@ std::vector<double> per_axis_in(const Config& table, const std::string& key,
   const auto given = table.numbers(key, {});
   for (std::size_t i = 0; i < given.size(); ++i)
     if (!(given[i] >= range.low && given[i] <= range.high))
-      table.fail(key, fmt::format("{} of axis '{}' is {}, expected {} to {}", key, kAxisOrder[i],
-                                  given[i], range.low, range.high));
+      table.fail(key, fmt::format("{} of axis '{}' is {}, expected {} to {}", key,
+                                  name_of(kAxes[i]), given[i], range.low, range.high));
   return values;
 }
 
@@ -55,15 +54,15 @@ std::vector<controller::InverseCoefficients> read_coefficients(
 }  // namespace
 
 std::size_t index_of_axis(const std::string& axis) {
-  return static_cast<std::size_t>(std::find(std::begin(kAxisOrder), std::end(kAxisOrder), axis) -
-                                  std::begin(kAxisOrder));
+  const auto known = axis_named(axis);
+  return known ? index_of(*known) : kAxes.size();
 }
 
 std::vector<double> per_axis(const Config& table, const std::string& key,
                              const std::vector<std::string>& axes, double otherwise) {
   std::vector<double> values;
   const auto given = table.numbers(key, {});
-  if (given.size() > std::size(kAxisOrder) || (given.empty() && table.has(key)))
+  if (given.size() > kAxes.size() || (given.empty() && table.has(key)))
     table.fail(key, fmt::format("{} has {} numbers, expected one per axis, long first", key,
                                 given.size()));
   for (const auto& axis : axes) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
@@ -13,9 +14,10 @@ class IdealMachine final : public Adapter {
   explicit IdealMachine(const IdealMachineSettings& settings)
       : settings_{settings}, specimen_{settings.specimen, settings.integration_step} {
     for (const auto& axis : settings.axes) {
-      if (axis != "long" && axis != "lat")
+      const auto known = horizontal_axis_named(axis);
+      if (!known)
         throw Error{"ideal_machine: axis '" + axis + "' is not driven, expected long or lat"};
-      directions_.push_back(axis == "long" ? 0 : 1);
+      directions_.push_back(static_cast<Eigen::Index>(index_of(*known)));
     }
   }
   [[nodiscard]] std::vector<Port> ports() const override;

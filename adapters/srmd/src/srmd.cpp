@@ -6,12 +6,12 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::adapters {
 namespace {
 
-constexpr const char* kAxes[] = {"long", "lat"};
 constexpr int kUserInputs = 8;
 constexpr int kOutriggers = 4;
 constexpr const char* kOutriggerNames[kOutriggers] = {"ne", "se", "nw", "sw"};
@@ -52,7 +52,7 @@ class Srmd final : public Adapter {
         machine_{settings.machine, settings.period},
         compression_{settings.machine.specimen.axial_load} {
     for (const auto& axis : settings.axes)
-      if (std::find(std::begin(kAxes), std::end(kAxes), axis) == std::end(kAxes))
+      if (!horizontal_axis_named(axis))
         throw Error{"srmd: axis '" + axis + "' is not driven, expected long or lat"};
     if (compression_ > sim::kVerticalCapacity)
       throw Error{fmt::format("srmd: the specimen carries {:.4g} MN, expected at most {:g} MN",
@@ -66,8 +66,7 @@ class Srmd final : public Adapter {
 
  private:
   [[nodiscard]] bool moves(int axis) const noexcept {
-    return std::find(settings_.axes.begin(), settings_.axes.end(), kAxes[axis]) !=
-           settings_.axes.end();
+    return contains(settings_.axes, kHorizontal[static_cast<std::size_t>(axis)]);
   }
   [[nodiscard]] Eigen::Vector2d reference(const StepData& step) noexcept;
   void write_feedback(const StepData& step) const noexcept;
@@ -88,29 +87,26 @@ std::vector<Port> Srmd::ports() const {
   const auto out = [&](const std::string& name, const char* unit) {
     ports.push_back({name, Direction::Output, unit, 0, false});
   };
-  for (const char* axis : {"long", "lat", "vert"})
-    in(std::string{"xpc."} + axis + ".displ.ref", "m");
+  for (const std::string& axis : names_of(kTranslations)) in("xpc." + axis + ".displ.ref", "m");
   in("xpc.compression.force.ref", "N");
   for (int i = 1; i <= kUserInputs; ++i) in("xpc." + std::to_string(i) + ".user_input", "V");
 
-  for (const char* axis : {"long", "lat", "vert"})
-    out(std::string{"srmd."} + axis + ".displ.ref_echo", "m");
+  for (const std::string& axis : names_of(kTranslations))
+    out("srmd." + axis + ".displ.ref_echo", "m");
   out("srmd.compression.force.ref_echo", "N");
-  for (const char* axis : {"long", "lat", "vert"})
-    out(std::string{"srmd."} + axis + ".displ.fbk", "m");
+  for (const std::string& axis : names_of(kTranslations)) out("srmd." + axis + ".displ.fbk", "m");
   out("srmd.compression.force.fbk", "N");
-  for (const char* axis : {"long", "lat"}) out(std::string{"srmd."} + axis + ".accel.fbk", "m/s2");
-  for (const char* axis : {"long", "lat", "vert"})
-    out(std::string{"srmd."} + axis + ".force.fbk", "N");
+  for (const std::string& axis : names_of(kHorizontal)) out("srmd." + axis + ".accel.fbk", "m/s2");
+  for (const std::string& axis : names_of(kTranslations)) out("srmd." + axis + ".force.fbk", "N");
   for (const char* corner : kOutriggerNames)
     out(std::string{"srmd."} + corner + ".outrigger.force.fbk", "N");
   out("srmd.lift.pressure.fbk", "Pa");
   for (int i = 1; i <= kUserInputs; ++i) out("srmd." + std::to_string(i) + ".user_input_echo", "V");
 
-  for (const char* axis : kAxes)
-    ports.push_back({std::string{"true.displ."} + axis, Direction::Monitor, "m", 0, false});
-  for (const char* axis : kAxes)
-    ports.push_back({std::string{"true.force."} + axis, Direction::Monitor, "N", 0, false});
+  for (const std::string& axis : names_of(kHorizontal))
+    ports.push_back({"true.displ." + axis, Direction::Monitor, "m", 0, false});
+  for (const std::string& axis : names_of(kHorizontal))
+    ports.push_back({"true.force." + axis, Direction::Monitor, "N", 0, false});
   return ports;
 }
 

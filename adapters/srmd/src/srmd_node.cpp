@@ -9,6 +9,7 @@
 #include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/adapters/srmd_platen.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/experiment.hpp>
 
@@ -62,10 +63,10 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
 // machine that moves it.
 std::vector<MachineAxis> words_of(const Experiment& setup, bool drives_vertical) {
   std::vector<MachineAxis> words;
-  for (const std::string axis : {"long", "lat", "vert"}) {
+  for (const std::string& axis : names_of(kTranslations)) {
     const bool is_tested =
         std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();
-    if (is_tested || (drives_vertical && axis == "vert"))
+    if (is_tested || (drives_vertical && axis == name_of(Axis::Vert)))
       words.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
                        "srmd." + axis + ".force.fbk"});
   }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/sim/machine/platen_run.hpp>
 
@@ -12,7 +13,6 @@ namespace {
 
 using sim::machine::Vector6;
 
-constexpr const char* kCoordinates[] = {"long", "lat", "vert", "roll", "pitch", "yaw"};
 constexpr const char* kCorners[] = {"ne", "se", "nw", "sw"};
 constexpr std::size_t kTranslations = 3, kAll = 6;
 constexpr int kUserWords = 8;
@@ -42,12 +42,10 @@ class SrmdPlaten final : public Adapter {
   explicit SrmdPlaten(const SrmdPlatenSettings& settings)
       : settings_{settings}, machine_{settings.machine, settings.period} {
     for (const auto& axis : settings.axes)
-      if (axis != "long" && axis != "lat")
+      if (!horizontal_axis_named(axis))
         throw Error{"srmd: axis '" + axis + "' is not driven, expected long or lat"};
-    const auto drives = [&](const char* axis) {
-      return std::find(settings.axes.begin(), settings.axes.end(), axis) != settings.axes.end();
-    };
-    driven_ = {drives("long"), drives("lat"), true, true, true, true};
+    driven_.fill(true);
+    for (const Axis axis : kHorizontal) driven_[index_of(axis)] = contains(settings.axes, axis);
     held_.axial_load = settings.machine.carries_load() ? settings.machine.specimen.axial_load : 0;
   }
 
@@ -77,7 +75,7 @@ std::vector<Port> SrmdPlaten::ports() const {
                             const char* before, const char* after, const char* unit) {
     for (std::size_t i = first; i < last; ++i) {
       std::string name = before;
-      name += kCoordinates[i];
+      name += name_of(kAxes[i]);
       name += after;
       add(direction, name, unit);
     }

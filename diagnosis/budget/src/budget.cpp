@@ -122,7 +122,7 @@ MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (!test.tested[axis]) continue;
     AxisBudget one;
-    one.name = name_of(kHorizontal[axis]);
+    one.axis = kHorizontal[axis];
     one.transfer = systems[axis];
     one.measured = measured[axis];
     one.simulated = simulated[axis];
@@ -173,7 +173,7 @@ std::string sentence_of(const MismatchBudget& budget) {
       "The response of the test differs from that of the simulation by {} % rms ({}): {}remainder "
       "{} % of it. With all parts as identified the difference is {} %.",
       each(budget, [](const auto& axis) { return percent(axis.before); }),
-      each(budget, [](const auto& axis) { return axis.name; }), shares,
+      each(budget, [](const auto& axis) { return name_of(axis.axis); }), shares,
       each(budget, [](const auto& axis) { return fmt::format("{:.1f}", 100 * axis.remainder); }),
       each(budget, [](const auto& axis) { return percent(axis.after); }));
 }

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
 #include "case_raw.hpp"
@@ -158,7 +159,7 @@ void require_axis(const Raw& raw, const Config& channels) {
     for (const auto& channel : raw.channels) {
       if (!channel.role.starts_with(family)) continue;
       const std::string axis = channel.role.substr(family.size());
-      is_known = is_known || axis == "long" || axis == "lat" || axis == "vertical";
+      is_known = is_known || horizontal_axis_named(axis) || axis == "vertical";
       other = &channel;
     }
     if (other != nullptr && !is_known)

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/signal.hpp>
 
@@ -164,7 +165,7 @@ Eigen::ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
 }  // namespace
 
 const std::string& axis_name(std::size_t axis) {
-  static const std::string names[] = {"long", "lat"};
+  static const auto names = names_of(kHorizontal);
   return names[axis];
 }
 

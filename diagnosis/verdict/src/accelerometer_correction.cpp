@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
@@ -22,7 +23,7 @@ struct AccelerometerChannels {
   explicit AccelerometerChannels(Record& record) {
     for (auto& channel : record.channels)
       for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis) {
-        const char* name = axis == 0 ? "long" : "lat";
+        const char* name = name_of(kHorizontal[axis]);
         if (channel.role == fmt::format("acceleration.{}", name)) acceleration[axis] = &channel;
         if (channel.role == fmt::format("displacement.{}", name)) displacement[axis] = &channel;
       }

@@ -65,8 +65,9 @@ Cause transfer_cause(const budget::MismatchBudget& found) {
   cause.explained = worst(found, unseen_errors).explained();
   for (const auto& axis : found.axes)
     for (const auto& p : axis.transfer.parameters)
-      cause.parameters.push_back({fmt::format("{}_{}.{}", kTransferSystem, axis.name, p.name),
-                                  p.unit, p.value, p.value - p.half_width, p.value + p.half_width});
+      cause.parameters.push_back(
+          {fmt::format("{}_{}.{}", kTransferSystem, name_of(axis.axis), p.name), p.unit, p.value,
+           p.value - p.half_width, p.value + p.half_width});
   return cause;
 }
 
@@ -83,7 +84,7 @@ std::string transfer_text(const budget::MismatchBudget& found) {
       "the displacement differs from its command by {} % rms ({}); identified with a delay of {} "
       "ms before compensation and a dead band of {} mm, it predicts the displacement of {} to {} %",
       of_axes(found, "{:.3g}", [](const auto& axis) { return 100 * axis.tracking; }),
-      of_axes(found, "{}", [](const auto& axis) { return axis.name; }),
+      of_axes(found, "{}", [](const auto& axis) { return name_of(axis.axis); }),
       of_axes(found, "{:.1f}", [](const auto& axis) { return 1e3 * axis.transfer.delay(); }),
       of_axes(found, "{:.2f}", [](const auto& axis) { return 1e3 * axis.transfer.dead_band; }),
       std::isfinite(found.axes[0].held_out) ? "an unseen record" : "seconds that were not fitted",

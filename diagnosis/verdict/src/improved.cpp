@@ -7,13 +7,12 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-constexpr const char* kAxisNames[] = {"long", "lat"};
 
 // Numbers as short as their fit is exact.
 double rounded(double value) {
@@ -32,8 +31,8 @@ std::string prefix_of(const std::string& parameter) {
 
 // "friction" for "friction.long" and "friction.lat".
 std::string without_axis(const std::string& term) {
-  for (const char* axis : kAxisNames)
-    if (term.ends_with(std::string{"."} + axis)) return term.substr(0, term.rfind('.'));
+  for (const Axis axis : kHorizontal)
+    if (term.ends_with(std::string{"."} + name_of(axis))) return term.substr(0, term.rfind('.'));
   return term;
 }
 
@@ -139,7 +138,8 @@ std::vector<TermTable> changed_tables(const RelationFindings& found) {
     if (table.is_added || stated->kind != term.kind)
       table.changes.put("kind", std::string{kind.name});
     if (table.is_added && table.terms.size() == 1 && term.axes != sim::kBothAxes)
-      table.changes.put("axes", std::vector<std::string>{kAxisNames[term.axes == 1 ? 0 : 1]});
+      table.changes.put("axes",
+                        std::vector<std::string>{name_of(kHorizontal[term.axes == 1 ? 0 : 1])});
     if (table.is_added && (kind.traits & sim::kPerChannel) != 0)
       table.changes.put("channel", std::string{name_of(term.channel)});
     for (const auto& parameter : kind.parameters) put_parameter(named, parameter, table);

@@ -55,5 +55,8 @@ inline constexpr std::array kHorizontal{Axis::Long, Axis::Lat};
 }
 /// Whether a list of names has an axis.
 [[nodiscard]] bool contains(std::span<const std::string> names, Axis axis);
+/// Whether a list of names has long, lat.
+[[nodiscard]] std::array<bool, kHorizontal.size()> horizontal_among(
+    std::span<const std::string> names);
 
 }  // namespace rths

@@ -35,6 +35,8 @@ struct GroundMotion {
   }
   /// Linear between samples, zero outside the record: long, lat [m/s²].   @realtime
   [[nodiscard]] Eigen::Vector2d at(double time) const noexcept;
+  /// This motion without the acceleration along axes that are not tested. @param tested  long, lat
+  [[nodiscard]] GroundMotion along(const std::array<bool, 2>& tested) const;
   [[nodiscard]] double vertical_at(double time) const noexcept;  ///< as `at`, upwards [m/s²]
 };
 

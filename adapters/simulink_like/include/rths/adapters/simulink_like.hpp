@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
 #include <rths/experiment/retreat.hpp>
 #include <rths/sim/bearing.hpp>
@@ -20,9 +21,9 @@ inline constexpr int kDiagramFormat = 1;
 
 /// Properties of the run that a diagram needs.
 struct DiagramContext {
-  std::vector<std::string> axes = {"long", "lat"};  ///< width of every per-axis port
-  double integration_step = 0.01;                   ///< model time per target [s]
-  double simulation_step = 0.01;                    ///< wall time per target [s]
+  std::vector<std::string> axes = names_of(kHorizontal);  ///< width of every per-axis port
+  double integration_step = 0.01;                         ///< model time per target [s]
+  double simulation_step = 0.01;                          ///< wall time per target [s]
   experiment::Retreat retreat;  ///< of ring outputs that ramp when the run stops
   /// Unit of each signal of the laboratory's map; empty: no map is known, signals are not checked.
   std::map<std::string, std::string> signal_units = {};  // NOLINT: g++ needs the initializer

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/sim/bearing.hpp>
 
 namespace rths::adapters {
@@ -15,7 +16,7 @@ namespace rths::adapters {
 /// for a real test.
 struct IdealMachineSettings {
   sim::Bearing specimen;
-  std::vector<std::string> axes = {"long", "lat"};
+  std::vector<std::string> axes = names_of(kHorizontal);
   double integration_step = 0.01;  ///< model time between targets [s]
   double simulation_step = 0.01;   ///< shortest time between arrivals [s]
 };

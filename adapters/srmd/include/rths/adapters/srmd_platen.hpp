@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/experiment/retreat.hpp>
 #include <rths/sim/machine/platen_machine.hpp>
 
@@ -15,8 +16,8 @@ namespace rths::adapters {
 /// the velocity feed-forward at the valves of the horizontal actuators: 10 V is a gain of 1.
 struct SrmdPlatenSettings {
   sim::machine::PlatenMachine machine;
-  double period = 0.001;                            ///< [s]
-  std::vector<std::string> axes = {"long", "lat"};  ///< driven by their references
+  double period = 0.001;                                  ///< [s]
+  std::vector<std::string> axes = names_of(kHorizontal);  ///< driven by their references
   experiment::Retreat retreat;
 };
 

@@ -8,12 +8,13 @@
 
 #include <rths/budget/closed_loop.hpp>
 #include <rths/budget/transfer_system.hpp>
+#include <rths/core/axis.hpp>
 
 namespace rths::budget {
 
 /// The mismatch of one axis: difference between the response of the test and of its simulation.
 struct AxisBudget {
-  std::string name;               ///< "long", "lat"
+  Axis axis = Axis::Long;
   AxisTransfer transfer;          ///< as identified
   std::vector<double> measured;   ///< targets of the test, by integration step [m]
   std::vector<double> simulated;  ///< every part as simulated [m]
