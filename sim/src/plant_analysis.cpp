@@ -187,7 +187,7 @@ Eigen::Vector2d PlantAnalysis::floor_acceleration(std::size_t i) const {
   return integrator_.acceleration().segment<2>(plant_.floors[i]) + ground_;
 }
 
-std::vector<InterfaceDof> PlantAnalysis::interface() const {
+std::vector<InterfaceDof> plant_interface() {
   return {InterfaceDof::of(Axis::Long), InterfaceDof::of(Axis::Lat),
           InterfaceDof::of(Axis::Vert, Controlled::Force)};
 }
@@ -206,8 +206,8 @@ void PlantAnalysis::correct(std::span<const double> force) noexcept {
   correct({force[0], force[1]}, force[2]);
 }
 
-std::vector<Monitor> PlantAnalysis::monitors() const {
-  std::vector<Monitor> monitors;
+std::vector<MonitoredQuantity> PlantAnalysis::monitors() const {
+  std::vector<MonitoredQuantity> monitors;
   const auto add = [&](const std::string& place) {
     for (const Axis axis : kHorizontal)
       monitors.push_back({place + ".accel." + name_of(axis), "m/s2"});

@@ -9,7 +9,7 @@
 #include <rths/core/error.hpp>
 #include <rths/experiment/computing_times.hpp>
 
-#include "solution.hpp"
+#include "substructures.hpp"
 
 namespace rths::adapters {
 
@@ -17,7 +17,8 @@ using experiment::ComputingTimes;
 
 namespace {
 
-constexpr double kEndOfRun = 1e-9;  // [s], rounding of step counts times step length
+constexpr std::size_t kVertical = 2;  // in the interface of the plant
+constexpr double kEndOfRun = 1e-9;    // [s], rounding of step counts times step length
 
 class Numerical final : public Adapter {
  public:
@@ -45,11 +46,11 @@ class Numerical final : public Adapter {
 
   NumericalSettings settings_;
   std::size_t axes_;
-  bool is_vertical_;                      ///< the vertical load varies
-  bool reads_vertical_;                   ///< the measured vertical force is fed back
-  std::vector<Eigen::Index> directions_;  ///< of each tested axis: 0 long, 1 lat
-  Solution solution_;
-  Exchange exchange_;
+  bool is_vertical_;     ///< the vertical load varies
+  bool reads_vertical_;  ///< the measured vertical force is fed back
+  std::unique_ptr<sim::Substructure> substructure_;
+  std::vector<std::size_t> places_;            ///< of each tested axis in the interface
+  std::vector<double> target_, rate_, force_;  ///< of the interface; untested axes have no force
   std::optional<ComputingTimes> computing_times_;
   OpfHandshake handshake_;
   bool is_computing_ = false;
@@ -64,18 +65,23 @@ Numerical::Numerical(const NumericalSettings& settings)
       is_vertical_{!settings.history &&
                    (!settings.motion.vert_acceleration.empty() || settings.plant.overturns())},
       reads_vertical_{settings.vertical_feedback == sim::VerticalFeedback::Measured},
-      solution_{make_solution(settings)},
+      substructure_{make_substructure(settings)},
       handshake_{settings.wait_deadline, settings.handshake} {
   if (reads_vertical_ && !is_vertical_ && !settings.history)
     throw Error{
         "numerical: vertical_feedback is measured, but the vertical load is constant, expected a "
         "motion with a vertical component, or a bearing off the centre"};
   if (settings.computing_time) computing_times_.emplace(*settings.computing_time);
+  const auto interface = substructure_->interface();
   for (const auto& axis : settings.axes) {
-    if (axis != "long" && axis != "lat")
+    const auto dof = std::find_if(interface.begin(), interface.end(), [&](const auto& one) {
+      return one.name == axis && one.controlled == sim::Controlled::Displacement;
+    });
+    if (dof == interface.end())
       throw Error{"numerical: axis '" + axis + "' is not in the model, expected long or lat"};
-    directions_.push_back(axis == "long" ? 0 : 1);
+    places_.push_back(static_cast<std::size_t>(dof - interface.begin()));
   }
+  for (auto* values : {&target_, &rate_, &force_}) values->resize(interface.size());
 }
 
 std::vector<Port> Numerical::ports() const {
@@ -96,37 +102,28 @@ std::vector<Port> Numerical::ports() const {
   add("opf.newTarget", Direction::Output, "1");
   add("step", Direction::Monitor, "1");
   add("computing_time", Direction::Monitor, "s");
-  std::visit(
-      [&](const auto& solution) {
-        for (const auto& [name, unit] : solution.monitors()) add(name, Direction::Monitor, unit);
-      },
-      solution_);
+  for (const auto& [name, unit] : substructure_->monitors()) add(name, Direction::Monitor, unit);
   return ports;
 }
 
 // The specimen is at its target: finish the step with its force and begin the next one.
 void Numerical::acquire(const StepData& step) noexcept {
-  for (std::size_t i = 0; i < axes_; ++i)
-    exchange_.force[directions_[i]] = step.inputs[kFeedback + i];
-  if (reads_vertical_) exchange_.measured_vertical_force = step.inputs[kFeedback + axes_];
-  std::visit(
-      [&](auto& solution) {
-        if (steps_ > 0) solution.finish(exchange_);
-        write_monitors(step);
-        solution.begin(exchange_);
-      },
-      solution_);
+  for (std::size_t i = 0; i < axes_; ++i) force_[places_[i]] = step.inputs[kFeedback + i];
+  if (reads_vertical_) force_[kVertical] = step.inputs[kFeedback + axes_];
+  if (steps_ > 0) substructure_->correct(force_);
+  write_monitors(step);
+  substructure_->predict(target_, rate_);
   computing_time_ = computing_times_ ? computing_times_->draw() : 0;
 }
 
 void Numerical::post(const StepData& step) noexcept {
   ++steps_;
   for (std::size_t i = 0; i < axes_; ++i) {
-    step.outputs[2 * i] = exchange_.displacement[directions_[i]];
-    step.outputs[2 * i + 1] = exchange_.velocity[directions_[i]];
+    step.outputs[2 * i] = target_[places_[i]];
+    step.outputs[2 * i + 1] = rate_[places_[i]];
   }
-  if (is_vertical_) step.outputs[vertical_at()] = exchange_.vertical_force;
-  step.outputs[time_at()] = std::visit([](const auto& s) { return s.time(); }, solution_);
+  if (is_vertical_) step.outputs[vertical_at()] = target_[kVertical];
+  step.outputs[time_at()] = substructure_->time();
   handshake_.post(step.time);
 }
 
@@ -134,7 +131,7 @@ void Numerical::write_monitors(const StepData& step) const noexcept {
   const auto monitors = step.outputs.subspan(new_target_at() + 1);
   monitors[0] = static_cast<double>(steps_);
   monitors[1] = computing_time_;
-  std::visit([&](const auto& solution) { solution.monitor(monitors.subspan(2)); }, solution_);
+  substructure_->monitor(monitors.subspan(2));
 }
 
 void Numerical::at_target(const StepData& step) noexcept {

@@ -34,8 +34,11 @@ struct BearingPath {
   [[nodiscard]] Eigen::Vector2d at(double x) const RTHS_REALTIME;
 };
 
-/// A plant under a ground motion, integrated one time step at a time. It meets its bearing at the
-/// displacements long and lat, and at the compression vert.
+/// The degrees of freedom at which a plant meets its bearing: the displacements long and lat, and
+/// the compression vert on top of the weight.   @setup
+[[nodiscard]] std::vector<InterfaceDof> plant_interface();
+
+/// A plant under a ground motion, integrated one time step at a time.
 ///
 /// With substeps, the plant is integrated in parts of the time step, between the targets. The
 /// bearing's force is extrapolated for the target, then interpolated between measured forces.
@@ -54,12 +57,12 @@ class PlantAnalysis final : public Substructure {
                 double time_step, double alpha, VerticalFeedback vertical = VerticalFeedback::Model,
                 int substeps = 1);
 
-  [[nodiscard]] std::vector<InterfaceDof> interface() const override;
+  [[nodiscard]] std::vector<InterfaceDof> interface() const override { return plant_interface(); }
   void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME override;
   void correct(std::span<const double> force) RTHS_REALTIME override;
   [[nodiscard]] double time() const RTHS_REALTIME override { return time_; }
   /// Acceleration of the ground and of each floor.
-  [[nodiscard]] std::vector<Monitor> monitors() const override;
+  [[nodiscard]] std::vector<MonitoredQuantity> monitors() const override;
   void monitor(std::span<double> values) const RTHS_REALTIME override;
 
   /// Begins a step. @returns the bearing's target displacement at its end: long, lat [m]  @realtime

@@ -27,7 +27,7 @@ struct InterfaceDof {
 };
 
 /// A quantity of a substructure that is recorded beside its targets.
-struct Monitor {
+struct MonitoredQuantity {
   std::string name, unit;  ///< SI
 };
 
@@ -55,7 +55,7 @@ class Substructure {
   [[nodiscard]] virtual double time() const RTHS_REALTIME = 0;  ///< end of the step [s]
 
   /// What `monitor` writes.   @setup
-  [[nodiscard]] virtual std::vector<Monitor> monitors() const { return {}; }
+  [[nodiscard]] virtual std::vector<MonitoredQuantity> monitors() const { return {}; }
   /// The values of the last step that ended.   @realtime
   virtual void monitor(std::span<double> /*values*/) const RTHS_REALTIME {}
 };

@@ -8,13 +8,14 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_handshake.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/experiment/parts.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 namespace rths::adapters {
 
 struct NumericalSettings {
-  std::vector<std::string> axes = {"long", "lat"};
+  std::vector<std::string> axes = names_of(kHorizontal);
   sim::IsolatedPlant plant;
   sim::GroundMotion motion;
   double bearing_initial_stiffness = 0;  ///< one bearing [N/m]
