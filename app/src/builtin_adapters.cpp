@@ -3,12 +3,13 @@
 // The composition root: the only place that knows the adapters by name.
 #include <rths/app/builtin_adapters.hpp>
 
-#include <rths/adapters/echo_node.hpp>
+#include <rths/adapters/echo.hpp>
 #include <rths/adapters/external_node.hpp>
-#include <rths/adapters/numerical_node.hpp>
-#include <rths/adapters/opensees_node.hpp>
-#include <rths/adapters/recorder_node.hpp>
-#include <rths/adapters/simulink_like_node.hpp>
+#include <rths/adapters/numerical.hpp>
+#include <rths/adapters/opensees.hpp>
+#include <rths/adapters/opensees_specimen.hpp>
+#include <rths/adapters/recorder.hpp>
+#include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/fmi/fmu_node.hpp>
 #include <rths/plugin/plugin_node.hpp>
@@ -22,7 +23,8 @@ using experiment::NodeSettings;
 
 // A given history needs no OpenSees: the project's own solver imposes it.
 NodeSettings read_opensees(const std::string& node, const Config& table, const Experiment& setup) {
-  NodeSettings settings = adapters::read_opensees_node(node, table, setup);
+  NodeSettings settings = adapters::read_opensees_node(
+      node, table, setup, adapters::read_ideal_machine(node, {}, setup));
   settings.make = [make = settings.make, handshake = adapters::read_handshake(table)](
                       const Experiment& test, const NodeContext& context) {
     return test.history ? adapters::make_numerical_node(test, context, handshake)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "assumed_model.hpp"
+#include "tables.hpp"
 
 #include <algorithm>
 #include <iterator>

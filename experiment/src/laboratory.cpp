@@ -5,9 +5,6 @@
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/machine_table.hpp>
 
-#include "assumed_model.hpp"
-#include "motion_check.hpp"
-
 namespace rths::experiment {
 namespace {
 

@@ -12,7 +12,6 @@
 #include <rths/core/toml_list.hpp>
 
 #include "tables.hpp"
-#include "unused_keys.hpp"
 
 namespace rths::experiment {
 namespace {

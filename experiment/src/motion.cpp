@@ -14,8 +14,6 @@
 #include <rths/core/installed_files.hpp>
 #include <rths/core/text.hpp>
 
-#include "motion_check.hpp"
-
 namespace rths::experiment {
 namespace {
 

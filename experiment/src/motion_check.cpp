@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "motion_check.hpp"
 
 #include <algorithm>
 #include <cmath>

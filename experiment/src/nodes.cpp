@@ -61,6 +61,13 @@ std::vector<NodePlan> read_nodes(Kinds kinds, const Config& table, const Experim
   return nodes;
 }
 
+MissedSteps read_late_inputs(const Config& table, const char* otherwise, MissedSteps due) {
+  const std::string inputs = table.text("late_inputs", otherwise);
+  if (inputs != "due" && inputs != "newest")
+    table.fail("late_inputs", fmt::format("late_inputs is '{}', expected due or newest", inputs));
+  return inputs == "due" ? due : MissedSteps::Make;
+}
+
 void read_uncompensated(const Config& table, std::vector<NodePlan>& nodes) {
   for (const auto& node : table.keys()) {
     const auto plan = std::find_if(nodes.begin(), nodes.end(),

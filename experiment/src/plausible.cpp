@@ -17,7 +17,7 @@
 #include <rths/core/error.hpp>
 #include <rths/loop/numerical_response.hpp>
 
-#include "motion_check.hpp"
+#include "tables.hpp"
 
 namespace rths::experiment {
 namespace {

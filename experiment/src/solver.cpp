@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tables.hpp"
 
+#include <algorithm>
+
 namespace rths::experiment {
 namespace {
 
@@ -22,6 +24,13 @@ Solver read_solver(const Config& table) {
   time.overrun = table.number_in("overrun_s", 0, 10, time.overrun);
   table.reject_unknown_keys();
   return solver;
+}
+
+double ComputingTimes::draw() noexcept {
+  std::normal_distribution<double> normal{model_.mean, model_.spread * model_.mean};
+  std::uniform_real_distribution<double> uniform{0, 1};
+  const double usual = std::clamp(normal(random_), 0.0, 2 * model_.mean);
+  return usual + (uniform(random_) < model_.overrun_fraction ? model_.overrun : 0);
 }
 
 }  // namespace rths::experiment

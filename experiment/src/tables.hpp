@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <map>
 #include <span>
+#include <string>
+#include <vector>
 
 #include <rths/core/config.hpp>
 #include <rths/experiment/experiment.hpp>
@@ -52,5 +54,35 @@ void read_uncompensated(const Config& table, std::vector<NodePlan>& nodes);
 /// The time of machine and controller stands still together, or of none: a machine that is real, of
 /// another host or of another period moves on, and so do cards.
 void settle_missed_steps(Experiment& experiment);
+
+/// [model]. Its tables `specimen` and `machine` hold the differences between model and laboratory;
+/// `fitted` lists the fitted parameters. The files of `improvement` override these.
+/// @param specimen  the bearing with the changes of [specimen]   @param machine  [machine]
+/// @param axial_load  on the bearing [N]
+[[nodiscard]] AssumedModel read_assumed_model(const Config& model, const Config& specimen,
+                                              const Config& machine, double axial_load);
+
+/// Refuses keys that no node of the experiment uses: the test would be the same without them.
+/// Collects tables without an effect that other runs of the same file need as remarks.
+void check_uses(const Config& file, Experiment& experiment);
+
+/// Largest values of a component of a ground motion, without its drift.
+struct MotionSizes {
+  double acceleration = 0;  ///< [m/s²]
+  double velocity = 0;      ///< [m/s]
+  double displacement = 0;  ///< [m]
+};
+[[nodiscard]] MotionSizes sizes_of(const std::vector<double>& acceleration, double time_step);
+
+/// Sizes of a motion that betray a wrong unit.
+/// @param table  [motion] or [held_out], for the place and for `scale`   @param axes  tested ones
+/// @returns what is unusual, but possible   @throws Error with the likely unit
+[[nodiscard]] std::vector<std::string> check_motion(const Config& table,
+                                                    const sim::GroundMotion& motion,
+                                                    const std::vector<std::string>& axes);
+
+/// Numbers that differ from those that they replace by the factor of a unit, such as kN as N.
+/// @throws Error with the place and the likely unit of the first one
+void check_units(const Config& changes, const Config& original);
 
 }  // namespace rths::experiment

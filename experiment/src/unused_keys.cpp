@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "unused_keys.hpp"
+#include "tables.hpp"
 
 #include <algorithm>
 #include <string>

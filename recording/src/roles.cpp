@@ -132,14 +132,20 @@ std::vector<KeyValue> overrides_of(const Reader& run) {
   return changes;
 }
 
-std::optional<Config> experiment_in(const Reader& run) {
+std::optional<Config> recorded_experiment(const Reader& run) {
   const auto meta = run.meta();
   const auto name = meta.find("experiment");
   if (name == meta.end()) return std::nullopt;
   auto file = Config::parse(run.config(name->second), name->second);
   for (const auto& [key, value] : overrides_of(run)) file.set(key, value);
+  return file;
+}
+
+std::optional<Config> experiment_in(const Reader& run) {
+  const auto file = recorded_experiment(run);
   const std::string map_roles = run.config(kMapRolesText);
-  return map_roles.empty() ? file : with_map_roles(file, Config::parse(map_roles, kMapRolesText));
+  if (!file || map_roles.empty()) return file;
+  return with_map_roles(*file, Config::parse(map_roles, kMapRolesText));
 }
 
 Roles roles_of(const Reader& run) {

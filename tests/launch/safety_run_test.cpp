@@ -13,10 +13,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <rths/adapters/numerical_node.hpp>
+#include <rths/adapters/numerical.hpp>
 #include <rths/adapters/safe_machine.hpp>
 #include <rths/adapters/safety_node.hpp>
-#include <rths/adapters/simulink_like_node.hpp>
+#include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/adapters/srmd_node.hpp>
 #include <rths/app/builtin_adapters.hpp>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/echo_node.hpp>
-
 #include <rths/adapters/echo.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/experiment/experiment.hpp>

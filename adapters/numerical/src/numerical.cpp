@@ -7,7 +7,7 @@
 
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/error.hpp>
-#include <rths/experiment/computing_times.hpp>
+#include <rths/experiment/parts.hpp>
 
 #include "substructures.hpp"
 

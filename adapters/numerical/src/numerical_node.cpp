@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/numerical_node.hpp>
-
 #include <rths/adapters/numerical.hpp>
 #include <rths/experiment/experiment.hpp>
 

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/simulink_like_node.hpp>
-
 #include <rths/adapters/block_settings.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/core/file.hpp>

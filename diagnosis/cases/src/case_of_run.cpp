@@ -138,24 +138,14 @@ Model model_of(const Reader& run) {
   return read_model(Config::parse(text, recording::kModelText));
 }
 
-std::string name_of(const Reader& run, const std::filesystem::path& file) {
-  const auto meta = run.meta();
-  const auto experiment = meta.find("experiment");
-  if (experiment == meta.end()) return file.stem().string();
-  const auto config = Config::parse(run.config(experiment->second), experiment->second);
-  return config.text("name", file.stem().string());
-}
-
 // The experiment of a run with the changes of its command line, if its file still exists: only then
 // relative paths in it have a meaning.
-void take_experiment(const Reader& run, CaseSource& source) {
+void take_experiment(const Reader& run, const Config& experiment, CaseSource& source) {
   const auto meta = run.meta();
-  const auto name = meta.find("experiment"), path = meta.find("experiment_path");
-  if (name == meta.end() || path == meta.end() || !std::filesystem::exists(path->second)) return;
+  const auto path = meta.find("experiment_path");
+  if (path == meta.end() || !std::filesystem::exists(path->second)) return;
   const auto folder = std::filesystem::absolute(path->second).parent_path();
-  Config experiment = Config::parse(run.config(name->second), name->second).in_folder(folder);
-  for (const auto& [key, value] : recording::overrides_of(run)) experiment.set(key, value);
-  source.experiment = experiment.in_its_folder();
+  source.experiment = experiment.in_folder(folder).in_its_folder();
   source.experiment_folder = source.experiment.resolve("");
   source.inputs = source.experiment.named_files();
   source.inputs.emplace_back(path->second);
@@ -168,10 +158,12 @@ Case case_of_run(const std::filesystem::path& file) {
   result.folder = file.parent_path();
   of_file(file, [&] {
     const Reader run{file};
-    result.name = name_of(run, file);
+    const auto experiment = recording::recorded_experiment(run);
+    result.name = file.stem().string();
+    if (experiment) result.name = experiment->text("name", result.name);
     result.model = model_of(run);
     result.records.push_back(record_of(run, file.filename().string(), Use::Fit));
-    take_experiment(run, result.source);
+    if (experiment) take_experiment(run, *experiment, result.source);
   });
   const auto held_out = file.parent_path() / kHeldOutFile;
   if (held_out != file && std::filesystem::exists(held_out))

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <rths/core/config.hpp>
+#include <rths/core/realtime.hpp>
 #include <rths/experiment/retreat.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/ground_motion.hpp>
@@ -59,6 +61,18 @@ struct ComputingTime {
   double overrun_fraction = 0;  ///< fraction of the steps that take longer [-]
   double overrun = 0.006;       ///< additional time of such a step [s]
   std::uint64_t seed = 1;
+};
+
+/// Seeded computing times of a solver, one per step.
+class ComputingTimes {
+ public:
+  explicit ComputingTimes(const ComputingTime& model) : model_{model}, random_{model.seed} {}
+  /// Computing time of the next step [s].   @realtime
+  [[nodiscard]] double draw() RTHS_REALTIME;
+
+ private:
+  ComputingTime model_;
+  std::mt19937_64 random_;
 };
 
 /// [solver]

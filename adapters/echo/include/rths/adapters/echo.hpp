@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_layout.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
@@ -20,5 +22,10 @@ struct EchoSettings {
 };
 
 [[nodiscard]] std::unique_ptr<Adapter> make_echo(const EchoSettings& settings);
+
+/// Keys: stiffness_N_per_m, handshake, prompt. @throws Error with the place of the first wrong
+/// value   @setup
+[[nodiscard]] experiment::NodeSettings read_echo(const std::string& node, const Config& table,
+                                                 const experiment::Experiment& experiment);
 
 }  // namespace rths::adapters

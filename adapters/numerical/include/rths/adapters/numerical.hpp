@@ -9,6 +9,7 @@
 #include <rths/adapters/adapter.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/axis.hpp>
+#include <rths/experiment/node.hpp>
 #include <rths/experiment/parts.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -35,5 +36,13 @@ struct NumericalSettings {
 /// newTarget, waits for switchPC and atTarget, and reads the sampled feedback.
 /// @throws Error if the model cannot be assembled   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_numerical(const NumericalSettings& settings);
+
+/// Keys: handshake, vertical_feedback. @throws Error with the place of the first wrong value @setup
+[[nodiscard]] experiment::NodeSettings read_numerical(const std::string& node, const Config& table,
+                                                      const experiment::Experiment& experiment);
+/// Builds the solver for a handshake.   @setup
+[[nodiscard]] std::unique_ptr<Adapter> make_numerical_node(
+    const experiment::Experiment& experiment, const experiment::NodeContext& context,
+    Handshake handshake, sim::VerticalFeedback vertical = sim::VerticalFeedback::Model);
 
 }  // namespace rths::adapters

@@ -12,6 +12,7 @@
 #include <rths/adapters/opensees_script.hpp>
 #include <rths/adapters/opf_handshake.hpp>
 #include <rths/core/config.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
@@ -48,5 +49,13 @@ void read_opensees(const Config& table, double initial_stiffness, OpenSeesSettin
 /// @throws Error if the layout lacks a word that an element needs, or control points do not match
 ///         it; on `activate`, if a port is not available or OpenSees cannot start   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_opensees(const OpenSeesSettings& settings);
+
+/// Keys: see docs/opensees.md.
+/// @param ideal  the node that takes the place of controller and machine when the solver runs again
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] experiment::NodeSettings read_opensees_node(const std::string& node,
+                                                          const Config& table,
+                                                          const experiment::Experiment& experiment,
+                                                          const experiment::NodeSettings& ideal);
 
 }  // namespace rths::adapters

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
@@ -9,6 +10,7 @@
 #include <rths/adapters/opensees_script.hpp>
 #include <rths/adapters/opf_layout.hpp>
 #include <rths/core/config.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
@@ -34,5 +36,9 @@ struct OpenSeesSpecimenSettings {
 /// @throws Error if the layout lacks an axis; on `activate`, if OpenSees does not connect   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_opensees_specimen(
     const OpenSeesSpecimenSettings& settings);
+
+/// Keys: see docs/opensees.md. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] experiment::NodeSettings read_opensees_specimen_node(
+    const std::string& node, const Config& table, const experiment::Experiment& experiment);
 
 }  // namespace rths::adapters

@@ -3,9 +3,11 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include <rths/adapters/adapter.hpp>
+#include <rths/experiment/node.hpp>
 #include <rths/memmap/map.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -34,5 +36,9 @@ struct RecorderSettings {
 /// @throws Error if the file cannot be created   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_recorder(const memmap::Map& map,
                                                      const RecorderSettings& settings);
+
+/// Has no keys of its own. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] experiment::NodeSettings read_recorder(const std::string& node, const Config& table,
+                                                     const experiment::Experiment& experiment);
 
 }  // namespace rths::adapters

@@ -10,6 +10,7 @@
 #include <rths/adapters/adapter.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
+#include <rths/experiment/node.hpp>
 #include <rths/experiment/retreat.hpp>
 #include <rths/sim/bearing.hpp>
 
@@ -53,5 +54,10 @@ struct DiagramContext {
 
 /// Base period of a diagram file [s].   @setup
 [[nodiscard]] double diagram_period(const std::filesystem::path& diagram);
+
+/// Keys: diagram, constants, blocks. @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] experiment::NodeSettings read_simulink_like(const std::string& node,
+                                                          const Config& table,
+                                                          const experiment::Experiment& experiment);
 
 }  // namespace rths::adapters

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/recorder_node.hpp>
-
 #include <rths/adapters/recorder.hpp>
 #include <rths/experiment/experiment.hpp>
 

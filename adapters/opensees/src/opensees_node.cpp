@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/opensees_node.hpp>
-
 #include <algorithm>
 #include <cstdlib>
 
@@ -8,11 +6,10 @@
 
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
-#include <rths/adapters/srmd_node.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
-#include <rths/experiment/computing_times.hpp>
 #include <rths/experiment/experiment.hpp>
+#include <rths/experiment/parts.hpp>
 #include <rths/experiment/user_program.hpp>
 
 namespace rths::adapters {
@@ -106,7 +103,7 @@ std::string motion_fault(const std::vector<std::string>& command, const std::str
 }  // namespace
 
 NodeSettings read_opensees_node(const std::string& node, const Config& table,
-                                const Experiment& setup) {
+                                const Experiment& setup, const NodeSettings& ideal) {
   OpenSeesSettings opensees;
   read_opensees(table, sim::initial_stiffness(setup.model.bearing), opensees);
   opensees.is_prompt = table.flag("prompt", false);
@@ -123,8 +120,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   settings.solver.motion_fault = motion_fault(opensees.script.command, node);
   settings.check = program_check(opensees.script, node);
   if (can_repeat(opensees, setup))
-    settings.solver.ideal_machine =
-        std::make_shared<const NodeSettings>(read_ideal_machine(node, Config{}, setup));
+    settings.solver.ideal_machine = std::make_shared<const NodeSettings>(ideal);
   settings.make = [opensees](const Experiment& test, const NodeContext& context) {
     OpenSeesSettings complete = opensees;
     complete.layout = opf_layout(context.map);
