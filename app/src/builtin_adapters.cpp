@@ -10,7 +10,7 @@
 #include <rths/adapters/opensees_specimen.hpp>
 #include <rths/adapters/recorder.hpp>
 #include <rths/adapters/simulink_like.hpp>
-#include <rths/adapters/srmd_node.hpp>
+#include <rths/adapters/srmd.hpp>
 #include <rths/fmi/fmu_node.hpp>
 #include <rths/plugin/plugin_node.hpp>
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <rths/adapters/safety_node.hpp>
+#include <rths/adapters/safe_machine.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>

@@ -2,6 +2,7 @@
 #include <rths/experiment/experiment.hpp>
 
 #include <algorithm>
+#include <utility>
 
 #include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>

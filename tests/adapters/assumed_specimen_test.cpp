@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/assumed_specimen.hpp>
+#include <rths/adapters/block_settings.hpp>
 
 #include <limits>
 

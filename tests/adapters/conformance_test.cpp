@@ -9,7 +9,6 @@
 #include <rths/adapters/recorder.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
-#include <rths/adapters/srmd_platen.hpp>
 
 #include "sim/machine/srmd_file.hpp"
 #include "support/bench.hpp"

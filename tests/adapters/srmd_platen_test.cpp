@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include <rths/adapters/srmd_node.hpp>
-#include <rths/adapters/srmd_platen.hpp>
+#include <rths/adapters/srmd.hpp>
 #include <rths/experiment/experiment.hpp>
 
 #include "sim/machine/srmd_file.hpp"

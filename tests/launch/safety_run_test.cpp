@@ -15,10 +15,8 @@
 
 #include <rths/adapters/numerical.hpp>
 #include <rths/adapters/safe_machine.hpp>
-#include <rths/adapters/safety_node.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
-#include <rths/adapters/srmd_node.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/controller/safety.hpp>
 #include <rths/launch/run.hpp>

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/safety_node.hpp>
+#include <rths/adapters/safe_machine.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/sha256.hpp>
 #include <rths/experiment/experiment.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/safety_node.hpp>
+#include <rths/adapters/safe_machine.hpp>
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/safe_machine.hpp>
 #include <rths/core/axis.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/experiment.hpp>
 #include <rths/memmap/codec.hpp>
@@ -106,8 +106,7 @@ SafeMachineSettings read_settings(const Config& changes, const Experiment& setup
   safety.ramp = setup.stop.retreat.ramp;
   settings.axes = words;
   const auto has_axis = [&](const std::string& name) {
-    if (words.empty())
-      return std::find(setup.axes.begin(), setup.axes.end(), name) != setup.axes.end();
+    if (words.empty()) return contains(setup.axes, name);
     return std::any_of(words.begin(), words.end(),
                        [&](const auto& axis) { return axis.name == name; });
   };

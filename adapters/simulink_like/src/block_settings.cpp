@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/assumed_specimen.hpp>
 #include <rths/core/axis.hpp>
 
 namespace rths::adapters {

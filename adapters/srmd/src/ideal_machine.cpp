@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/ideal_machine.hpp>
+#include <rths/adapters/srmd.hpp>
 
 #include <algorithm>
 

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/srmd_node.hpp>
+#include <rths/adapters/srmd.hpp>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
-#include <rths/adapters/ideal_machine.hpp>
-#include <rths/adapters/safety_node.hpp>
-#include <rths/adapters/srmd.hpp>
-#include <rths/adapters/srmd_platen.hpp>
+#include <rths/adapters/safe_machine.hpp>
 #include <rths/core/axis.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/experiment.hpp>
 
@@ -64,9 +61,7 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
 std::vector<MachineAxis> words_of(const Experiment& setup, bool drives_vertical) {
   std::vector<MachineAxis> words;
   for (const std::string& axis : names_of(kTranslations)) {
-    const bool is_tested =
-        std::find(setup.axes.begin(), setup.axes.end(), axis) != setup.axes.end();
-    if (is_tested || (drives_vertical && axis == name_of(Axis::Vert)))
+    if (contains(setup.axes, axis) || (drives_vertical && axis == name_of(Axis::Vert)))
       words.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
                        "srmd." + axis + ".force.fbk"});
   }

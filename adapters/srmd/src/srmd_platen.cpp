@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/srmd_platen.hpp>
+#include <rths/adapters/srmd.hpp>
 
 #include <algorithm>
 #include <array>
 
 #include <rths/core/axis.hpp>
+#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/sim/machine/platen_run.hpp>
 

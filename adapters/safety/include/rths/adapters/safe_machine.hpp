@@ -7,6 +7,7 @@
 
 #include <rths/adapters/adapter.hpp>
 #include <rths/controller/safety.hpp>
+#include <rths/experiment/node.hpp>
 
 namespace rths::adapters {
 
@@ -33,5 +34,16 @@ struct SafeMachineSettings {
 /// @throws Error if a setting is out of range, or the machine lacks a word   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_safe_machine(std::unique_ptr<Adapter> machine,
                                                          const SafeMachineSettings& settings);
+
+/// Puts the safety layer in front of a machine, unless the table says `enabled = false`.
+/// @param machine  settings of the machine alone
+/// @param words    of its axes, in the order long, lat, vert; none: those of the tested axes by
+///                 role
+/// @param table    [node.<name>.safety]: the file of the limits, and changes of them
+/// @throws Error with the place of the first wrong value   @setup
+[[nodiscard]] experiment::NodeSettings with_safety(experiment::NodeSettings machine,
+                                                   const Config& table,
+                                                   const experiment::Experiment& setup,
+                                                   const std::vector<MachineAxis>& words = {});
 
 }  // namespace rths::adapters

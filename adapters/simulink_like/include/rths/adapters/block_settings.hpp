@@ -9,13 +9,12 @@
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/controller/specimen_model.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/controller/target_force.hpp>
 #include <rths/core/config.hpp>
 #include <rths/sim/bearing.hpp>
 
-// Settings of a diagram's blocks, for the target that runs them and for the budget that replays
-// them.
 namespace rths::adapters {
 
 /// The diagram that a node runs, and the values that replace those of its blocks.
@@ -100,5 +99,12 @@ struct TableForceObserverSettings {
 /// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
 [[nodiscard]] TableForceObserverSettings table_force_observer_settings(
     const Config& table, const std::vector<std::string>& axes, double period);
+
+/// Makes the specimen that a test assumes, for a controller.
+/// @param axes  each long or lat   @param period  of its moves [s]
+/// @throws Error as sim::BearingRun does, when it makes one   @setup
+[[nodiscard]] controller::MakeSpecimen assumed_specimen(const sim::Bearing& bearing,
+                                                        const std::vector<std::string>& axes,
+                                                        double period);
 
 }  // namespace rths::adapters
