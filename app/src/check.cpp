@@ -25,6 +25,7 @@
 #include <rths/recording/table.hpp>
 #include <rths/replicated/scenario.hpp>
 #include <rths/report/judgement.hpp>
+#include <rths/session/folder.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
@@ -33,7 +34,6 @@
 
 #include "check_data.hpp"
 #include "commands.hpp"
-#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -231,7 +231,8 @@ int check(const CheckArguments& arguments) {
   if (!arguments.address.empty()) return check_server(arguments);
   if (!arguments.changes.empty()) return check_changed(file, arguments.changes);
   if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
-  if (std::filesystem::is_directory(file)) return check_recording(recording_in(file).string());
+  if (std::filesystem::is_directory(file))
+    return check_recording(session::recording_in(file).string());
   check_is_file(file);
   if (plugin::is_library(file) || std::filesystem::path{file}.extension() == ".py")
     return check_plugin(file, arguments.config);

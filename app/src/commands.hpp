@@ -10,10 +10,8 @@
 #include <vector>
 
 #include <rths/command_line/program.hpp>
-
-namespace rths::experiment {
-struct Experiment;
-}
+#include <rths/session/diagnose.hpp>
+#include <rths/session/run.hpp>
 
 namespace rths::app {
 
@@ -21,17 +19,8 @@ namespace rths::app {
 using Changes = std::vector<std::pair<std::string, std::string>>;
 
 struct RunArguments {
-  std::string experiment;
-  bool virtual_time = false;
-  bool repeats_late = false;  ///< in virtual time, a test whose host could not keep real time
-  std::string out;            ///< folder; empty: a new one in out/<name of the experiment>
-  bool force = false;         ///< replace the results of an earlier run in `out`
-  std::string ring;           ///< empty: the experiment's name
-  std::string host;           ///< this host, of an experiment on several; empty: all nodes run here
-  std::string interface;      ///< of the network to the other hosts; empty: the experiment's
-  Changes changes;
-  std::vector<std::filesystem::path> improvements;  ///< improved.toml files, added to the model
-  bool diagnoses = true;                            ///< diagnose if there is a [held_out] motion
+  session::RunSettings settings;
+  bool json = false;
 };
 [[nodiscard]] int run(const RunArguments& arguments);
 
@@ -198,13 +187,10 @@ struct TermsArguments {
 void become_bench(const std::vector<std::string>& words);
 
 struct DiagnoseArguments {
-  std::string case_or_recording;     ///< folder of a case or of a run, or a recording
-  std::string out;                   ///< folder; empty: out/diagnosis/<name of the case>
-  std::string against;               ///< prediction of another simulation; empty: the model's
-  std::vector<std::string> without;  ///< excluded terms
-  std::uint64_t seed = 1;            ///< of noise and resampling
-  bool progress = false;             ///< show the progress also off a terminal
-  bool plans = false;                ///< print what the case can tell, without a diagnosis
+  session::DiagnoseSettings settings;
+  bool progress = false;  ///< show the progress also off a terminal
+  bool plans = false;     ///< print what the case can tell, without a diagnosis
+  bool json = false;
 };
 /// Finds the physics that a simulation omits. @returns 0 for every verdict
 [[nodiscard]] int diagnose(const DiagnoseArguments& arguments);

@@ -16,10 +16,10 @@
 #include <rths/commissioning/learnt_inverse.hpp>
 #include <rths/core/error.hpp>
 #include <rths/report/report.hpp>
+#include <rths/session/folder.hpp>
 #include <rths/session/pretest.hpp>
 
 #include "commands.hpp"
-#include "run_folder.hpp"
 #include "temporary_folder.hpp"
 
 namespace rths::app {
@@ -30,7 +30,7 @@ std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>&
   std::vector<std::filesystem::path> paths;
   std::vector<recording::Reader> runs;
   for (const auto& file : files) {
-    const auto path = recording_in(file);
+    const auto path = session::recording_in(file);
     recording::Reader run{path};
     for (std::size_t i = 0; i < paths.size(); ++i) {
       std::error_code ignored;
@@ -53,7 +53,7 @@ int delay(const CommissioningArguments& a) {
   question.window = a.window;
   question.search = a.search;
   question.least_rms = a.least_rms;
-  const auto file = recording_in(a.files.at(0));
+  const auto file = session::recording_in(a.files.at(0));
   const auto pairs = recording::of_file(
       file, [&] { return commissioning::track(recording::Reader{file}, question); });
   fmt::print("{}", a.json ? commissioning::json_of(pairs) : commissioning::text_of(pairs));
@@ -93,8 +93,8 @@ int pretest(const CommissioningArguments& a) {
   if (a.out.empty())
     settings.folder = temporary.emplace("pretest").path();
   else
-    create_folder(settings.folder = a.out);
-  if (!a.machine.empty()) settings.machine = recording_in(a.machine);
+    session::create_folder(settings.folder = a.out);
+  if (!a.machine.empty()) settings.machine = session::recording_in(a.machine);
   settings.version = version();
   const auto result = session::pretest(experiment, settings);
   fmt::print("{}", a.json ? session::json_of(result) : session::text_of(result));

@@ -12,10 +12,10 @@
 #include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/session/folder.hpp>
 
 #include "commands.hpp"
 #include "patterns.hpp"
-#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -112,7 +112,7 @@ int dump_recording(const DumpArguments& arguments) {
       throw Error{
           fmt::format("{}: found {} with a recording, which does not change, expected a ring",
                       arguments.ring_or_recording, option)};
-  const recording::Reader reader{recording_in(arguments.ring_or_recording)};
+  const recording::Reader reader{session::recording_in(arguments.ring_or_recording)};
   std::vector<Column> columns;
   for (const auto& name : selected(reader.names(), arguments.patterns, arguments.ring_or_recording))
     columns.push_back(in_map_unit({name, reader.unit(name), reader.signal(name)}, reader.map()));

@@ -7,7 +7,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/recording/excerpt.hpp>
-#include <rths/report/report.hpp>
+#include <rths/session/folder.hpp>
 
 #include "commands.hpp"
 #include "patterns.hpp"
@@ -15,7 +15,7 @@
 namespace rths::app {
 
 int export_table(const ExportArguments& arguments) {
-  const std::filesystem::path source = recording_in(arguments.recording);
+  const std::filesystem::path source = session::recording_in(arguments.recording);
   const recording::Reader reader{source};
   const std::filesystem::path target =
       arguments.out.empty() ? source.stem().string() + "." + arguments.format : arguments.out;

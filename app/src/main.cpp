@@ -12,9 +12,9 @@
 #include <rths/core/installed_files.hpp>
 #include <rths/core/key_value.hpp>
 #include <rths/recording/recording.hpp>
+#include <rths/session/folder.hpp>
 
 #include "commands.hpp"
-#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -38,22 +38,24 @@ struct Arguments {
 
 void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand("run", "Run an experiment and write its recording and report");
-  command->add_option("experiment", a.run.experiment, "Experiment file")->required();
+  command->add_option("experiment", a.run.settings.experiment, "Experiment file")->required();
   command
       ->add_option("--clock", a.clock,
                    "wall: real time, one process per node; virtual: deterministic, no waiting; "
                    "auto: real time, repeated in virtual time if the host was too late")
       ->check(CLI::IsMember({"wall", "virtual", "auto"}));
-  auto* out = command->add_option("--out", a.run.out,
+  auto* out = command->add_option("--out", a.run.settings.out,
                                   "Folder for the results [a new one: out/<name>/<UTC time>]");
-  command->add_flag("--force", a.run.force, "Replace the results of an earlier run in --out")
+  command
+      ->add_flag("--force", a.run.settings.replaces,
+                 "Replace the results of an earlier run in --out")
       ->needs(out);
-  command->add_option("--ring", a.run.ring, "Name of the ring [the experiment's]");
-  auto* host = command->add_option("--host", a.run.host,
+  command->add_option("--ring", a.run.settings.ring, "Name of the ring [the experiment's]");
+  auto* host = command->add_option("--host", a.run.settings.host,
                                    "Run only the nodes of this host, together with the other hosts "
                                    "of the experiment");
   command
-      ->add_option("--interface", a.run.interface,
+      ->add_option("--interface", a.run.settings.interface,
                    "Network interface or address, with --host [the experiment's]")
       ->needs(host);
   command
@@ -63,16 +65,20 @@ void add_run(CLI::App& app, Arguments& a, Chosen& chosen) {
       ->take_all()
       ->allow_extra_args(false);
   command
-      ->add_option("--improve", a.run.improvements,
+      ->add_option("--improve", a.run.settings.improvements,
                    "improved.toml of a diagnosis, added to the improvements of the model")
       ->check(CLI::ExistingFile)
       ->take_all()
       ->allow_extra_args(false);
-  command->add_flag("!--no-diagnosis", a.run.diagnoses, "Do not diagnose the recording at the end");
+  command->add_flag("!--no-diagnosis", a.run.settings.diagnoses,
+                    "Do not diagnose the recording at the end");
+  command->add_flag("--json", a.run.json, "One JSON document instead of lines");
   command->callback([&] {
-    a.run.virtual_time = a.clock == "virtual";
-    a.run.repeats_late = a.clock == "auto";
-    a.run.changes = split_changes(a.sets);
+    auto& settings = a.run.settings;
+    if (a.clock == "virtual") settings.clock = launch::ClockKind::Virtual;
+    settings.repeats_late = a.clock == "auto";
+    settings.changes = split_changes(a.sets);
+    settings.version = version();
     chosen = [&a] { return run(a.run); };
   });
 }
@@ -176,22 +182,26 @@ void add_diagnose(CLI::App& app, Arguments& a, Chosen& chosen) {
   auto* command = app.add_subcommand(
       "diagnose", "Find the physics that a simulation omits, or report that none is missing");
   command
-      ->add_option("case", a.diagnose.case_or_recording,
+      ->add_option("case", a.diagnose.settings.source,
                    "Folder with a case.toml, a case file, or folder or recording of a run")
       ->required();
-  command->add_option("--out", a.diagnose.out, "Folder for the results [out/diagnosis/<name>]");
-  command->add_option("--against", a.diagnose.against,
+  command->add_option("--out", a.diagnose.settings.out,
+                      "Folder for the results [out/diagnosis/<name>]");
+  command->add_option("--against", a.diagnose.settings.against,
                       "Prediction of another simulation, instead of the model's");
-  command->add_option("--without", a.diagnose.without, "Terms to exclude, separated by commas")
+  command
+      ->add_option("--without", a.diagnose.settings.without,
+                   "Terms to exclude, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false);
-  command->add_option("--seed", a.diagnose.seed, "Seed of noise and resampling")
+  command->add_option("--seed", a.diagnose.settings.seed, "Seed of noise and resampling")
       ->check(CLI::Range(std::int64_t{0}, kLargestSeed))
       ->capture_default_str();
   command->add_flag("--plan", a.diagnose.plans,
                     "Print what this case can tell, without a diagnosis");
   command->add_flag("--progress", a.diagnose.progress,
                     "Show the progress every 30 s where standard error is not a terminal");
+  command->add_flag("--json", a.diagnose.json, "One JSON document instead of lines");
   command->callback([&] { chosen = [&a] { return diagnose(a.diagnose); }; });
 }
 
@@ -259,7 +269,8 @@ void add_report(CLI::App& app, Arguments& a, Chosen& chosen) {
 // Names of a ring's or a recording's signals.
 std::vector<std::string> signals_of(const std::string& source) {
   try {
-    if (std::filesystem::exists(source)) return recording::Reader{recording_in(source)}.names();
+    if (std::filesystem::exists(source))
+      return recording::Reader{session::recording_in(source)}.names();
     return broker::Ring::attach(source).map().signal_names();
   } catch (const Error&) {
     return {};

@@ -17,9 +17,9 @@
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/report/report.hpp>
+#include <rths/session/folder.hpp>
 
 #include "commands.hpp"
-#include "run_folder.hpp"
 
 namespace rths::app {
 namespace {
@@ -171,7 +171,7 @@ Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) 
 }  // namespace
 
 int replay(const ReplayArguments& arguments) {
-  const recording::Reader run{recording_in(arguments.recording)};
+  const recording::Reader run{session::recording_in(arguments.recording)};
   const bool is_fmu = fmi::is_fmu(arguments.library);
   Loaded loaded = is_fmu ? load_fmu(arguments, run) : load_plugin(arguments, run);
   Signals signals = signals_of(*loaded.adapter, run, arguments.node);

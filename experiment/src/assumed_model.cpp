@@ -81,9 +81,8 @@ Config bearing_of(const Config& changes, const Config& specimen) {
 
 }  // namespace
 
-AssumedModel read_assumed_model(const Config& table, const Config& specimen, const Config& machine,
-                                double axial_load) {
-  const Improvement found = read_improvement(table);
+AssumedModel read_assumed_model(const Config& table, const Improvement& found,
+                                const Config& specimen, const Config& machine, double axial_load) {
   const Config bearing =
       bearing_of(table.table_or_empty("specimen").overlaid(found.specimen), specimen);
   static_cast<void>(bearing.text("model", ""));

@@ -21,7 +21,7 @@ Config usual_machine() {
 
 }  // namespace
 
-void read_laboratory(const Config& file, Experiment& experiment) {
+void read_laboratory(const Config& file, const std::string& improvement, Experiment& experiment) {
   const Config changes = file.table_or_empty("specimen");
   const auto path = find_file(changes, "model", "bearings", kDefaultSpecimen);
   const Config bearing = Config::load(path);
@@ -39,7 +39,9 @@ void read_laboratory(const Config& file, Experiment& experiment) {
   simulated = read_machine(machine);
   simulated.seed = experiment.seed;
   simulated.specimen = experiment.specimen;
-  experiment.model = read_assumed_model(file.table_or_empty("model"), specimen, machine, weight);
+  const Config model = file.table_or_empty("model");
+  experiment.model =
+      read_assumed_model(model, read_improvement(model, improvement), specimen, machine, weight);
   experiment.config.emplace_back(recording::kModelText, experiment.model.text);
   if (!experiment.model.specimen.empty())
     experiment.config.emplace_back(recording::kSpecimenText, experiment.model.specimen);

@@ -123,7 +123,8 @@ void check_format(const Config& file) {
               fmt::format("format is {}, this program reads {}", format, kExperimentFormat));
 }
 
-void read_parts(const Config& file, std::span<const AdapterKind> kinds, Experiment& experiment) {
+void read_parts(const Config& file, std::span<const AdapterKind> kinds,
+                const std::string& improvement, Experiment& experiment) {
   experiment.name = read_name(file);
   experiment.map = find_file(file, "map", "maps");
   experiment.axes = read_axes(file);
@@ -131,7 +132,7 @@ void read_parts(const Config& file, std::span<const AdapterKind> kinds, Experime
   experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
   read_earthquakes(file, experiment);
   experiment.plant = read_plant(file);
-  read_laboratory(file, experiment);
+  read_laboratory(file, improvement, experiment);
   if (file.has("targets"))
     experiment.history =
         read_targets(file.table("targets"), experiment, experiment.seed + kTargetSeed);
@@ -157,14 +158,14 @@ Config changed_experiment(const std::filesystem::path& file, const Overrides& ov
 }
 
 Experiment load_experiment(std::span<const AdapterKind> kinds, const std::filesystem::path& path,
-                           const Overrides& overrides) {
+                           const Overrides& overrides, const std::string& improvement) {
   const Config file = changed_experiment(path, overrides);
   refuse_case(file);
   check_format(file);
   Experiment experiment;
   experiment.file = path;
   experiment.config = {{path.filename().string(), read_file(path, kMostTextBytes)}};
-  read_parts(file, kinds, experiment);
+  read_parts(file, kinds, improvement, experiment);
   check_targets(file, experiment);
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();

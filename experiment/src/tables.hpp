@@ -9,6 +9,7 @@
 
 #include <rths/core/config.hpp>
 #include <rths/experiment/experiment.hpp>
+#include <rths/experiment/improvement.hpp>
 #include <rths/sim/motion_file.hpp>
 
 // Readers of the tables of an experiment, in the order in which they are called. Each uses the
@@ -33,7 +34,8 @@ void read_earthquakes(const Config& file, Experiment& experiment);
 /// [plant]
 [[nodiscard]] Plant read_plant(const Config& file);
 /// The bearing with the changes of [specimen], [machine], and the assumed model of both.
-void read_laboratory(const Config& file, Experiment& experiment);
+/// @param improvement  text of an improved.toml, added to those that the model lists; may be empty
+void read_laboratory(const Config& file, const std::string& improvement, Experiment& experiment);
 /// [targets]: displacements that are imposed in place of an analysis. Axes that are not tested stay
 /// at rest.
 /// @param seed  of noise
@@ -56,11 +58,13 @@ void read_uncompensated(const Config& table, std::vector<NodePlan>& nodes);
 void settle_missed_steps(Experiment& experiment);
 
 /// [model]. Its tables `specimen` and `machine` hold the differences between model and laboratory;
-/// `fitted` lists the fitted parameters. The files of `improvement` override these.
+/// `fitted` lists the fitted parameters.
+/// @param found  overrides these tables
 /// @param specimen  the bearing with the changes of [specimen]   @param machine  [machine]
 /// @param axial_load  on the bearing [N]
-[[nodiscard]] AssumedModel read_assumed_model(const Config& model, const Config& specimen,
-                                              const Config& machine, double axial_load);
+[[nodiscard]] AssumedModel read_assumed_model(const Config& model, const Improvement& found,
+                                              const Config& specimen, const Config& machine,
+                                              double axial_load);
 
 /// Refuses keys that no node of the experiment uses: the test would be the same without them.
 /// Collects tables without an effect that other runs of the same file need as remarks.

@@ -89,7 +89,7 @@ std::size_t steps_of(const Experiment& experiment, const NodePlan& plan) {
   return static_cast<std::size_t>((longest + kMargin) / to_seconds(plan.schedule.period));
 }
 
-void add_faults(const std::vector<std::string>& events, RunResult& result) {
+void add_faults(const std::vector<std::string>& events, RunEnd& result) {
   for (const auto& event : events) result.faults += (result.faults.empty() ? "" : "; ") + event;
   if (!result.faults.empty() && !result.trouble.empty())
     result.trouble += " (faults: " + result.faults + ")";
@@ -118,7 +118,7 @@ std::string ending_of(const RunOutcome& outcome) {
 
 using NamedSeries = std::vector<std::pair<std::string, recording::Reader::Series>>;
 
-NamedSeries series_of(const Experiment& experiment, const RunResult& result) {
+NamedSeries series_of(const Experiment& experiment, const RunEnd& result) {
   NamedSeries series;
   if (!result.lateness.largest.empty())
     series.push_back({"host_late", {result.lateness.interval, result.lateness.largest}});
@@ -136,7 +136,7 @@ NamedSeries series_of(const Experiment& experiment, const RunResult& result) {
 
 // Adds data that is available only after the run.
 void add_to_meta(const std::filesystem::path& file, const Experiment& experiment,
-                 const RunOutcome& outcome, const RunResult& result) {
+                 const RunOutcome& outcome, const RunEnd& result) {
   std::string privileges;
   for (const auto& line : result.privileges) privileges += (privileges.empty() ? "" : "; ") + line;
   recording::NamedTexts meta{{"ending", ending_of(outcome)},
@@ -171,9 +171,9 @@ RunOutcome run(const Experiment& experiment, const RunOptions& options) {
   const WallClock clock;
   const TimePoint begun = clock.now();
   RunOutcome outcome;
-  const RunResult result = options.clock == ClockKind::Virtual
-                               ? run_in_virtual_time(experiment, assembly, options)
-                               : run_in_wall_time(experiment, assembly, options);
+  const RunEnd result = options.clock == ClockKind::Virtual
+                            ? run_in_virtual_time(experiment, assembly, options)
+                            : run_in_wall_time(experiment, assembly, options);
   outcome.trouble = result.trouble;
   outcome.interrupted = result.interrupted;
   outcome.stopped_early = result.stopped_early;

@@ -45,7 +45,7 @@ struct HostLateness {
   std::vector<double> largest;  ///< [s]
 };
 
-struct RunResult {
+struct RunEnd {
   std::string trouble;  ///< empty if none
   bool interrupted = false;
   bool stopped_early = false;  ///< by request, in order
@@ -55,14 +55,14 @@ struct RunResult {
   std::string faults;                                   ///< of the cards, on purpose; empty if none
   std::vector<recording::ForeignStore> foreign_stores;  ///< of the words of this host
 };
-[[nodiscard]] RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
+[[nodiscard]] RunEnd run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
+                                      const RunOptions& options);
+[[nodiscard]] RunEnd run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
                                          const RunOptions& options);
-[[nodiscard]] RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
-                                            const RunOptions& options);
 
 /// Names the faults of the cards in the result of a run; a run that ended early gives them as its
 /// cause.
-void add_faults(const std::vector<std::string>& events, RunResult& result);
+void add_faults(const std::vector<std::string>& events, RunEnd& result);
 
 /// Makes a node await the steps of others on its host: a controller those of a simulated machine,
 /// and the machine those of the controller if their time waits. None on cards, whose words are

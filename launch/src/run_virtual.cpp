@@ -240,8 +240,8 @@ class VirtualRun {
   std::string trouble_;
 };
 
-RunResult run_on_one_host(const Experiment& experiment, Assembly& assembly,
-                          const RunOptions& options) {
+RunEnd run_on_one_host(const Experiment& experiment, Assembly& assembly,
+                       const RunOptions& options) {
   std::optional<replicated::Images> images;
   std::optional<broker::Ring> shared;
   if (assembly.cards)
@@ -253,7 +253,7 @@ RunResult run_on_one_host(const Experiment& experiment, Assembly& assembly,
       [&](const std::string& node) -> broker::Ring& { return images ? images->of(node) : *shared; },
       nullptr};
   if (images) run.carry(*images, assembly.map);
-  RunResult result;
+  RunEnd result;
   result.trouble = run.run();
   result.interrupted = run.was_interrupted();
   if (images) add_faults(images->events(), result);
@@ -287,8 +287,8 @@ std::string run_on_several_hosts(const Experiment& experiment, Assembly& assembl
 
 }  // namespace
 
-RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
-                              const RunOptions& options) {
+RunEnd run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
+                           const RunOptions& options) {
   for (const auto& plan : experiment.nodes)
     if (plan.settings.program)
       throw Error{
@@ -298,7 +298,7 @@ RunResult run_in_virtual_time(const Experiment& experiment, Assembly& assembly,
   if (!experiment.has_own_solver())
     throw Error{experiment.file.string() +
                 ": no node is a solver, expected one to end a run in virtual time"};
-  RunResult result;
+  RunEnd result;
   if (options.host.empty())
     result = run_on_one_host(experiment, assembly, options);
   else

@@ -84,7 +84,7 @@ class WallRun {
     if (link_ != nullptr) link_->wait_until_ready([this] { return has_lost_a_node(); });
   }
 
-  RunResult run() {
+  RunEnd run() {
     if (InterruptGuard::is_called_off()) {
       result_.interrupted = true;
       return std::move(result_);
@@ -275,15 +275,14 @@ class WallRun {
   std::optional<TimePoint> stopping_;
   TimePoint shown_{0};
   bool stopped_for_a_reason_ = false;
-  RunResult result_;
+  RunEnd result_;
 };
 
 // Tells the other hosts how the test ended here.
-RunResult run_with_other_hosts(const Experiment& experiment, const Assembly& assembly,
-                               const RunOptions& options, HostLink& link,
-                               OwnershipWatch& ownership) {
+RunEnd run_with_other_hosts(const Experiment& experiment, const Assembly& assembly,
+                            const RunOptions& options, HostLink& link, OwnershipWatch& ownership) {
   const Duration farewell = longest_stop(experiment) + kRestMargin;
-  RunResult result;
+  RunEnd result;
   try {
     WallRun run{experiment, assembly, options, &link};
     run.watch_by(ownership);
@@ -301,11 +300,11 @@ RunResult run_with_other_hosts(const Experiment& experiment, const Assembly& ass
 }
 
 // On a ring of cards: each node has an image of its own.
-RunResult run_on_images(const Experiment& experiment, const Assembly& assembly,
-                        const RunOptions& options) {
+RunEnd run_on_images(const Experiment& experiment, const Assembly& assembly,
+                     const RunOptions& options) {
   auto images = replicated::Images::create(options.ring, assembly.map, *assembly.cards);
   const RunCleaning cleaning{options};
-  RunResult result;
+  RunEnd result;
   {
     CardCarrier carrier{images};
     WallRun run{experiment, assembly, options, nullptr};
@@ -319,8 +318,8 @@ RunResult run_on_images(const Experiment& experiment, const Assembly& assembly,
 
 }  // namespace
 
-RunResult run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
-                           const RunOptions& options) {
+RunEnd run_in_wall_time(const Experiment& experiment, const Assembly& assembly,
+                        const RunOptions& options) {
   const InterruptGuard guard;
   broker::on_lost_memory(broker::OnLostMemory::Continue);
   if (assembly.cards) return run_on_images(experiment, assembly, options);

@@ -83,9 +83,11 @@ using Overrides = std::vector<std::pair<std::string, std::string>>;
                                         const Overrides& overrides);
 
 /// @param kinds  the adapters that a node can have
+/// @param improvement  text of an improved.toml, added to those that the model lists; may be empty
 /// @throws Error file:line:column of the first fault   @setup
 [[nodiscard]] Experiment load_experiment(std::span<const AdapterKind> kinds,
                                          const std::filesystem::path& file,
-                                         const Overrides& overrides = {});
+                                         const Overrides& overrides = {},
+                                         const std::string& improvement = "");
 
 }  // namespace rths::experiment

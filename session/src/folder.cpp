@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "run_folder.hpp"
+#include <rths/session/folder.hpp>
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -20,7 +20,7 @@
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 
-namespace rths::app {
+namespace rths::session {
 namespace {
 
 namespace fs = std::filesystem;
@@ -245,4 +245,4 @@ RunFolder::~RunFolder() {
   for (const auto& folder : made_) fs::remove(folder, ignored);
 }
 
-}  // namespace rths::app
+}  // namespace rths::session

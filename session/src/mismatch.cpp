@@ -4,14 +4,11 @@
 #include <algorithm>
 #include <map>
 #include <optional>
-#include <system_error>
-#include <utility>
 
 #include <fmt/format.h>
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
-#include <rths/command_line/write_file.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/launch/run.hpp>
@@ -19,46 +16,23 @@
 #include <rths/report/report.hpp>
 #include <rths/session/hybrid_test.hpp>
 
-#include "improvements.hpp"
-
-namespace rths::app {
+namespace rths::session {
 namespace {
-
-// A file of this process, for as long as the object lives.
-class Draft {
- public:
-  Draft(std::filesystem::path path, const std::string& text) : path_{std::move(path)} {
-    write_file(path_, text);
-  }
-  ~Draft() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  Draft(const Draft&) = delete;
-  Draft& operator=(const Draft&) = delete;
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
 
 budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                                  const std::filesystem::path& file,
                                  const experiment::Overrides& changes,
-                                 const std::filesystem::path& folder, const std::string& fragment) {
-  const auto experiment = load_experiment(file, changes);
-  auto improved = experiment;
-  std::optional<Draft> draft;  // the results replace earlier ones when all of them are complete
-  if (!fragment.empty()) {
-    draft.emplace(std::filesystem::absolute(folder / "improved.draft.toml"), fragment);
-    improved = load_experiment(file, improved_by({draft->path()}, file, changes));
-  }
+                                 const std::string& fragment) {
+  const auto experiment = app::load_experiment(file, changes);
+  const auto improved = fragment.empty() ? experiment
+                                         : experiment::load_experiment(app::builtin_adapters(),
+                                                                       file, changes, fragment);
   const auto unseen = recording.parent_path() / diagnosis::kHeldOutFile;
   std::optional<recording::Reader> held_out;
   if (std::filesystem::exists(unseen) && !std::filesystem::equivalent(unseen, recording))
     held_out.emplace(unseen);
-  return session::budget_of_run(experiment, improved, recording::Reader{recording},
-                                held_out ? &*held_out : nullptr);
+  return budget_of_run(experiment, improved, recording::Reader{recording},
+                       held_out ? &*held_out : nullptr);
 }
 
 // Why the experiment of a run cannot be repeated; empty: its file is as it was.
@@ -98,11 +72,10 @@ void improve_experiment(const std::filesystem::path& file, const experiment::Ove
 
 void add_mismatch_budget(const std::filesystem::path& recording,
                          const std::filesystem::path& experiment,
-                         const experiment::Overrides& changes, const std::filesystem::path& folder,
-                         diagnosis::Verdict& verdict) {
+                         const experiment::Overrides& changes, diagnosis::Verdict& verdict) {
   try {
-    diagnosis::add_budget(
-        budget_of(recording, experiment, changes, folder, verdict.improvement.fragment), verdict);
+    diagnosis::add_budget(budget_of(recording, experiment, changes, verdict.improvement.fragment),
+                          verdict);
   } catch (const Error& error) {
     verdict.limits.push_back(std::string{"There is no mismatch budget of the response: "} +
                              error.what());
@@ -116,8 +89,7 @@ void add_mismatch_budget(const std::filesystem::path& recording,
   }
 }
 
-void add_mismatch_budget(const std::filesystem::path& recording,
-                         const std::filesystem::path& folder, diagnosis::Verdict& verdict) {
+void add_mismatch_budget(const std::filesystem::path& recording, diagnosis::Verdict& verdict) {
   const recording::Reader run{recording};
   const auto meta = run.meta();
   if (is_companion(recording, meta)) {
@@ -132,7 +104,7 @@ void add_mismatch_budget(const std::filesystem::path& recording,
     verdict.limits.push_back(trouble);
     return;
   }
-  add_mismatch_budget(recording, path->second, recording::overrides_of(run), folder, verdict);
+  add_mismatch_budget(recording, path->second, recording::overrides_of(run), verdict);
 }
 
-}  // namespace rths::app
+}  // namespace rths::session

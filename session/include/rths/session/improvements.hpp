@@ -7,7 +7,7 @@
 
 #include <rths/launch/run.hpp>
 
-namespace rths::app {
+namespace rths::session {
 
 /// Files that the key `model.improvement` of an experiment lists, as full paths.
 /// @throws Error if the experiment cannot be read, or a change is invalid
@@ -22,4 +22,4 @@ namespace rths::app {
                                                 const std::filesystem::path& experiment,
                                                 experiment::Overrides changes);
 
-}  // namespace rths::app
+}  // namespace rths::session

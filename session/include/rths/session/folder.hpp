@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace rths::app {
+namespace rths::session {
 
 /// Keeps other processes from writing results into a folder until it is destroyed. The kernel
 /// releases the lock if the process dies. Results of an earlier run that a killed one had set aside
@@ -74,4 +74,4 @@ class RunFolder {
   bool has_begun_ = false;
 };
 
-}  // namespace rths::app
+}  // namespace rths::session

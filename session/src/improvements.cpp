@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "improvements.hpp"
+#include <rths/session/improvements.hpp>
 
 #include <rths/core/config.hpp>
 #include <rths/core/toml_list.hpp>
 
-namespace rths::app {
+namespace rths::session {
 
 std::vector<std::filesystem::path> improvements_of(const std::filesystem::path& experiment,
                                                    const experiment::Overrides& changes) {
@@ -26,4 +26,4 @@ experiment::Overrides improved_by(const std::vector<std::filesystem::path>& file
   return changes;
 }
 
-}  // namespace rths::app
+}  // namespace rths::session
