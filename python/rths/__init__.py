@@ -11,9 +11,10 @@ plugin for pytest.
 """
 from ._rths import Error, LostWrites
 from .adapter import Adapter, Input, Monitor, Output, Parameter, Status
+from .installation import command
 from .recording import Recording, load
 from .ring import Follower, Node, Ring, Signal, Write, attach, create_ring, in_process_ring, ring_names
-from .runs import Cause, Run, Verdict, command, diagnose, run
+from .runs import Cause, Run, Verdict, diagnose, run
 
 for _error in (Error, LostWrites):
     _error.__module__ = "rths"

@@ -6,7 +6,7 @@ import pathlib
 from typing import TYPE_CHECKING, Any
 
 from . import _rths
-from .ring import _matching
+from .names import matching
 
 if TYPE_CHECKING:
     import numpy
@@ -86,7 +86,7 @@ class Recording:
         return xarray.Dataset(variables, {"time": ("time", self.time, {"units": "s"})}, self.meta)
 
     def _matching(self, patterns: tuple[str, ...]) -> list[str]:
-        return _matching(self.signals, patterns, str(self.file))
+        return matching(self.signals, patterns, str(self.file))
 
 
 def load(path: str | pathlib.Path, *patterns: str) -> pandas.DataFrame:

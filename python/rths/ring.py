@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import fnmatch
 import math
 import pathlib
 import time
@@ -11,7 +10,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from . import _rths
-from .runs import map_file
+from .installation import map_file
+from .names import matching
 
 if TYPE_CHECKING:
     import numpy
@@ -77,7 +77,7 @@ class Ring:
 
         Raises Error for a pattern that matches no signal.
         """
-        return _matching(list(self.signals), patterns, f"the map '{self.map_name}'")
+        return matching(list(self.signals), patterns, f"the map '{self.map_name}'")
 
     def close(self) -> None:
         """Detaches, and removes the ring if this object created it. Closing twice has no effect."""
@@ -229,10 +229,3 @@ def in_process_ring(map: str | pathlib.Path) -> Ring:
 def ring_names() -> list[str]:
     """Names of all rings of this host."""
     return _rths.ring_names()
-
-
-def _matching(names: list[str], patterns: tuple[str, ...], place: str) -> list[str]:
-    for pattern in patterns:
-        if not any(fnmatch.fnmatchcase(name, pattern) for name in names):
-            raise _rths.Error(f"{place} has no signal '{pattern}', expected one such as: {', '.join(names[:5])}, …")
-    return [name for name in names if not patterns or any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)]

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Runs and diagnoses, by the installed command as a child process with a deadline."""
+"""Runs and diagnoses, by the installed command as a child process with a deadline.
+
+A test in real time owns its process: its signals, its scheduling and its memory. So the command runs it, and tells its
+result as JSON.
+"""
 from __future__ import annotations
 
 import contextlib
@@ -7,17 +11,14 @@ import dataclasses
 import json
 import os
 import pathlib
-import re
-import shutil
 import signal
 import subprocess
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ._rths import Error
-
-if TYPE_CHECKING:
-    from .recording import Recording
+from .installation import command
+from .recording import Recording
 
 _GRACE_S = 10.0  #: of a command that was asked to stop
 
@@ -64,7 +65,7 @@ class Run:
     exit_code: int  #: 0: completed and conclusive; 1: not conclusive, or interrupted; 2: failed
     folder: pathlib.Path | None  #: None: it did not start, or it has no recorder and no `out`
     report: Mapping[str, Any] | None  #: report.json, which docs/experiments.md describes; None: no report
-    stdout: str
+    stdout: str  #: one JSON document
     stderr: str
 
     @property
@@ -74,8 +75,6 @@ class Run:
 
     def recording(self) -> Recording:
         """The recording of the run. Raises Error if there is none."""
-        from .recording import Recording
-
         return Recording(self._folder())
 
     def verdict(self) -> Verdict:
@@ -110,8 +109,8 @@ def run(experiment: str | pathlib.Path, *, set: Mapping[str, Any] | None = None,
         arguments += ["--ring", ring]
     if not diagnosis:
         arguments.append("--no-diagnosis")
-    ended = _ended(arguments, timeout_s)
-    folder = _folder_of(_after("recording ", ended.stdout), out)
+    ended = _ended([*arguments, "--json"], timeout_s)
+    folder = _folder_of(_result_of(ended.stdout), out)
     report = None if folder is None else _read_json(folder / "report.json")
     return Run(ended.returncode, folder, report, ended.stdout, ended.stderr)
 
@@ -129,41 +128,11 @@ def diagnose(case: str | pathlib.Path, *, out: str | pathlib.Path | None = None,
         arguments += ["--out", str(out)]
     if without:
         arguments += ["--without", ",".join(without)]
-    ended = _ended(arguments, timeout_s)
-    numbers = _after("numbers ", ended.stdout)
-    if ended.returncode != 0 or numbers is None:
+    ended = _ended([*arguments, "--json"], timeout_s)
+    result = _result_of(ended.stdout)
+    if ended.returncode != 0 or "numbers" not in result:
         raise Error(ended.stderr.strip().removeprefix("rths: ") or f"rths diagnose ended with {ended.returncode}")
-    return Verdict.read(pathlib.Path(numbers.strip()).parent)
-
-
-def command() -> pathlib.Path:
-    """Path of the command: that of RTHS_COMMAND, of the installation of this package, or of PATH.
-
-    Raises Error if there is none.
-    """
-    named = os.environ.get("RTHS_COMMAND")
-    beside = [folder / "bin" / "rths" for folder in pathlib.Path(__file__).absolute().parents[1:6]]
-    for file in [pathlib.Path(named)] if named else beside:
-        if file.is_file() and os.access(file, os.X_OK):
-            return file
-    found = None if named else shutil.which("rths")
-    if found is None:
-        raise Error(f"RTHS_COMMAND is '{named}', expected the command rths" if named else
-                    "the command rths was not found, expected it in PATH or in RTHS_COMMAND")
-    return pathlib.Path(found)
-
-
-def map_file(map: str | pathlib.Path) -> str:
-    """File of a map: a path, or the name of a map that is installed with the command."""
-    text = str(map)
-    if "/" in text or "." in text or pathlib.Path(text).is_file():
-        return text
-    maps = command().resolve().parent.parent / "share" / "rths" / "maps"
-    file = maps / f"{text}.ringmap.toml"
-    if not file.is_file():
-        names = sorted(known.name.removesuffix(".ringmap.toml") for known in maps.glob("*.ringmap.toml"))
-        raise Error(f"there is no map '{text}', expected a file or one of: {', '.join(names)}")
-    return str(file)
+    return Verdict.read(pathlib.Path(result["numbers"]).parent)
 
 
 def _toml(value: Any) -> str:
@@ -206,18 +175,20 @@ def _stop(process: subprocess.Popen[str]) -> None:
     process.communicate()
 
 
-def _folder_of(recording: str | None, out: str | pathlib.Path | None) -> pathlib.Path | None:
-    """The folder of a run, from the line about its recording: a path, or the reason why there is none."""
-    if recording is None:
+def _result_of(stdout: str) -> Mapping[str, Any]:
+    """The result that the command wrote; empty if it failed before."""
+    with contextlib.suppress(json.JSONDecodeError):
+        return json.loads(stdout)
+    return {}
+
+
+def _folder_of(result: Mapping[str, Any], out: str | pathlib.Path | None) -> pathlib.Path | None:
+    """The folder of a run that has begun: the named one, or that of its recording."""
+    if result.get("folder") is None:
         return None
     if out is not None:
         return pathlib.Path(out)
-    file = pathlib.Path(re.sub(r", \d+ rows missing$", "", recording))
-    return file.parent if file.name == "run.h5" else None
-
-
-def _after(start: str, text: str) -> str | None:
-    return next((line.removeprefix(start) for line in text.splitlines() if line.startswith(start)), None)
+    return None if result["recording"] is None else pathlib.Path(result["recording"]).parent
 
 
 def _read_json(file: pathlib.Path) -> Any:

@@ -29,8 +29,9 @@ from typing import Any
 import pytest
 
 from . import _rths
+from .installation import map_file
 from .ring import Follower, Node, Ring
-from .runs import Run, map_file, run
+from .runs import Run, run
 
 Condition = float | str | Callable[[float], bool]
 

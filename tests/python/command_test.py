@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 import ast
 import inspect
+import json
 import pathlib
 import time
 
@@ -32,16 +33,16 @@ def test_changes_are_written_as_toml(fake_command):
     assert run.stdout.splitlines() == [
         "run", "e.toml", "--clock", "wall", "--set", 'axes=["long"]', "--set", "rest_s=0.5", "--set",
         "node.echo.prompt=true", "--set", 'map="sts"', "--set", 'node.opf={"adapter" = "echo"}', "--ring", "own",
-        "--no-diagnosis"]
+        "--no-diagnosis", "--json"]
 
 
-@pytest.mark.parametrize("line, folder", [
-    ("out/a, b/run.h5, 12 rows missing", "out/a, b"),
-    ("out/a/run.h5", "out/a"),
-    ("none: the experiment has no recorder", None),
+@pytest.mark.parametrize("result, folder", [
+    ({"folder": "out/a, b", "recording": "out/a, b/run.h5"}, "out/a, b"),
+    ({"folder": "out/a", "recording": None}, None),
+    ({"folder": None, "recording": None}, None),
 ])
-def test_the_folder_of_a_run_is_that_of_its_recording(fake_command, line, folder):
-    fake_command(f"echo 'recording {line}'")
+def test_the_folder_of_a_run_is_that_of_its_recording(fake_command, result, folder):
+    fake_command(f"echo '{json.dumps(result)}'")
 
     assert rths.run("e.toml").folder == (folder and pathlib.Path(folder))
 

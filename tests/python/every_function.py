@@ -17,12 +17,12 @@ import numpy
 import pandas
 
 import rths
-from rths import adapter, recording, ring, runs, testing
+from rths import adapter, installation, names, recording, ring, runs, testing
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
 MAP = TREE / "examples/python/two_signals.ringmap.toml"
 SPRING = TREE / "examples/python/spring_machine.py"
-MODULES = (adapter, recording, ring, runs, testing)
+MODULES = (adapter, installation, names, recording, ring, runs, testing)
 called = set()
 
 

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
+import json
 import os
 import pathlib
 import sys
@@ -173,12 +174,13 @@ def test_a_process_that_fails_fails_the_test(rths_lab):
 
 def test_a_run_has_a_ring_and_a_folder_of_its_own(rths_lab, fake_command):
     lab = rths_lab(TWO_SIGNALS)
-    fake_command('echo "$@"; echo "recording $6/run.h5"')
+    fake_command("""printf '{"folder": "%s", "recording": null, "words": "%s"}' "$6" "$*" """)
 
     run = lab.run("an/experiment.toml")
 
     assert run.folder.parent == lab.folder
-    assert run.stdout.startswith(f"run an/experiment.toml --clock virtual --out {run.folder} --ring {lab.name}_run\n")
+    words = json.loads(run.stdout)["words"]
+    assert words == f"run an/experiment.toml --clock virtual --out {run.folder} --ring {lab.name}_run --json"
 
 
 def test_a_process_that_ends_early_fails_with_its_output(rths_lab):
