@@ -146,6 +146,12 @@ class SmallTests(Folder):
         found = runner.run(self.folder, tests, "tests", 2)
         self.assertEqual(sorted((result.name, result.verdict) for result in found), [("A.B", "passed"), ("A.Dies", "failed")])
 
+    def test_have_processes_of_their_own_in_a_long_run(self):
+        tests = [self.make("A.B", 1), self.make("A.C", 2)]
+        self.write("CTestTestfile.cmake", "".join(f'add_test({test.name} {self.program} --gtest_filter={test.name})\n' for test in tests))
+        self.assertEqual(len(runner.run(self.folder, tests, "tests", 1, is_long=True)), 2)
+        self.assertEqual(sorted(self.calls()), ["A.B", "A.C"])
+
     def test_keep_the_name_that_ctest_gives_them(self):
         tests = [self.make("A.B/0", 1), self.make("A.C/1", 2)]
         tests[0].name = "A.B/first"
@@ -188,7 +194,7 @@ set_tests_properties(Plain.Test PROPERTIES LABELS unit)
 
     def test_in_real_time_run_after_the_others(self):
         tests = [runner.Test(1, "A", [], {"realtime"}), runner.Test(2, "B", [], {"system"}), runner.Test(3, "C", [], {"physics"})]
-        self.assertEqual([([test.number for test in group], count) for group, count in runner.in_groups(tests, 2)], [([2, 3], 2), ([1], 4)])
+        self.assertEqual([([test.number for test in group], count) for group, count in runner.in_groups(tests, 2)], [([2, 3], 3), ([1], 4)])
         self.assertEqual(runner.in_groups([], 2), [])
 
     def test_without_ctest_have_failed(self):

@@ -108,16 +108,16 @@ def run_ctest(build, tests, label, jobs):
 
 
 def in_groups(tests, jobs):
-    """Tests that ctest runs together, and how many at once. Those in real time wait more than they compute, but lose their
-    ticks beside tests that compute."""
+    """Tests that ctest runs together, and how many at once: one more than processors, because some wait for others. Those in
+    real time wait more than they compute, but lose their ticks beside tests that compute."""
     in_real_time = [test for test in tests if "realtime" in test.labels]
     others = [test for test in tests if "realtime" not in test.labels]
-    return [(group, count) for group, count in ((others, jobs), (in_real_time, 2 * jobs)) if group]
+    return [(group, count) for group, count in ((others, jobs + 1), (in_real_time, 2 * jobs)) if group]
 
 
-def run(build, tests, label, jobs):
-    """Results of all these tests, each once; None: ctest did not run."""
-    found = run_small(tests, jobs)
+def run(build, tests, label, jobs, is_long=False):
+    """Results of all these tests, each once; None: ctest did not run. In long runs, each has its own process and deadline."""
+    found = [] if is_long else run_small(tests, jobs)
     done = {result.name for result in found}
     for group, count in in_groups([test for test in tests if test.name not in done], jobs):
         rest = run_ctest(build, group, label, count)

@@ -66,7 +66,7 @@ class Session:
             self.recall(name)
             return
         begun = time.monotonic()
-        found = runner.run(build, tests, name, self.jobs)
+        found = runner.run(build, tests, name, self.jobs, is_long=self.resumed is not None)
         self.note_time(begun, name)
         if found is None:
             self.failed += 1
