@@ -158,13 +158,13 @@ def main():
     parser.add_argument("--compare", type=pathlib.Path, metavar="SVG", help="fails if the picture is an older one")
     options = parser.parse_args()
     house = tree.Tree.read(options.targets)
-    graph = picture.graph_of(house)
     if options.graph:
+        graph = picture.graph_of(house)
         options.graph[0].write_text(json.dumps(graph, indent=2) + "\n")
         options.graph[1].write_text(picture.draw(graph))
         return 0
     if options.compare:
-        return 0 if is_current(options.compare, picture.draw(graph)) else 1
+        return 0 if is_current(options.compare, picture.draw(picture.graph_of(house))) else 1
     found = figures_of(house)
     if options.list:
         print("\n".join(found[options.list]))

@@ -162,6 +162,14 @@ class Picture(unittest.TestCase):
         found = small({"core": [], "algebra": ["core"], "sim": ["algebra", "core"]})
         self.assertEqual([(arrow["from"], arrow["to"]) for arrow in picture.graph_of(found)["arrows"]], [("algebra", "core"), ("sim", "algebra")])
 
+    def test_has_a_box_for_a_target_with_a_place_of_its_own(self):
+        found = small({"adapters": [], "app": [], "sim": []})
+        found.targets["rths_all"] = tree.Target("rths_all", "STATIC_LIBRARY", "app", ["rths_adapters"])
+        found.targets["rths_sim"].names = ["rths_all"]
+        found.targets["rths_app"].names = ["rths_sim"]
+        self.assertEqual([(arrow["from"], arrow["to"]) for arrow in picture.graph_of(found)["arrows"]],
+                         [("app", "sim"), ("sim", "the table"), ("the table", "adapters")])
+
     def test_of_a_circle_is_refused(self):
         with self.assertRaisesRegex(SystemExit, "sim -> algebra -> sim|algebra -> sim -> algebra"):
             picture.graph_of(small({"algebra": ["sim"], "sim": ["algebra"]}))

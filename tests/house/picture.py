@@ -19,22 +19,27 @@ def top_of(folder):
     return folder.split("/")[0]
 
 
+def box_name(house, target):
+    """The folder at the top, or the place that a target has of its own."""
+    return house.plan["places"].get(target.name) or top_of(target.folder)
+
+
 def graph_of(house):
     """Folders with their parts and layer, and arrows between folders that no other arrows imply."""
     forbidden, parts = {}, {}
     for target in house.product_targets:
-        user = top_of(target.folder)
+        user = box_name(house, target)
         parts.setdefault(user, set()).update(target.folder.split("/")[1:2])
         for name in target.names:
             used = house.targets.get(name)
-            if used and used.folder and top_of(used.folder) != user:
-                parts.setdefault(top_of(used.folder), set())
-                arrow = (user, top_of(used.folder))
+            if used and used.folder and box_name(house, used) != user:
+                parts.setdefault(box_name(house, used), set())
+                arrow = (user, box_name(house, used))
                 is_wrong = not house.is_allowed(house.arrow(target, used))
                 forbidden[arrow] = forbidden.get(arrow, True) and is_wrong
     below = {folder: sorted(used for user, used in forbidden if user == folder) for folder in parts}
     layers = layers_of(below)
-    for folder in set(parts) - {top_of(target.folder) for target in house.product_targets}:
+    for folder in set(parts) - {box_name(house, target) for target in house.product_targets}:
         layers[folder] = min(layers[user] for user, used in forbidden if used == folder) - 1  # its own arrows are not drawn
     arrows = [{"from": user, "to": used, "forbidden": forbidden[user, used]}
               for user, used in sorted(forbidden) if not is_implied(user, used, below)]
@@ -256,7 +261,7 @@ def draw(graph):
         bottoms[layer] = top + max(box.height for box in layers[layer] if box.name)
         top = bottoms[layer] + LAYER_GAP
     width = max(box.x + box.width / 2 for layer in layers for box in layer) + MARGIN
-    lines = [HEAD.format(width=max(width, 620), height=top + 6)]
+    lines = [HEAD.format(width=max(width, 740), height=top + 6)]
     lines += [arrow_svg(path, is_forbidden, tops, bottoms) for path, is_forbidden in paths]
     lines += [box_svg(box, tops[box.layer]) for layer in layers for box in layer if box.name]
     return "\n".join([*lines, legend(top - 24), "</svg>"]) + "\n"
