@@ -5,9 +5,11 @@
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/core/error.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
@@ -34,6 +36,11 @@ void become_bench(const std::vector<std::string>& words) {
   std::vector<std::string> others{words.begin() + (completes ? 2 : 1), words.end()};
   if (completes) others.insert(others.begin(), words[0]);
   become(std::filesystem::read_symlink("/proc/self/exe").replace_filename("rths-bench"), others);
+}
+
+void add_bench(CommandLine& line) {
+  line.app.add_subcommand("bench",
+                          "Run a benchmark on this host, with rths-bench(1) where it is built");
 }
 
 }  // namespace rths::app

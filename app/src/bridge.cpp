@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/utsname.h>
 #include <fcntl.h>
 #include <sys/mman.h>
 #include <unistd.h>
@@ -11,6 +12,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
@@ -19,10 +21,23 @@
 #include <rths/core/message.hpp>
 #include <rths/dds/gateway.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct BridgeArguments {
+  std::string ring;
+  std::string joint_name;  ///< of the ring on all hosts; empty: `ring`
+  std::string map;         ///< of a new ring, removed at the end; empty: the ring exists
+  std::string host;        ///< name of this host
+  std::uint32_t domain = 0;
+  std::string interface;           ///< empty: the network's default
+  std::vector<std::string> peers;  ///< empty: found by multicast
+  bool skips_unchanged = false;    ///< does not send writes that leave a word as it was
+  long timeout_ms = 0;             ///< stop after this time; 0: never
+};
 
 volatile std::sig_atomic_t bridge_ends = 0;  // NOLINT: for the signal handler
 extern "C" void end_bridge(int) { bridge_ends = 1; }
@@ -83,8 +98,6 @@ class OneGateway {
   int object_;
 };
 
-}  // namespace
-
 int bridge(const BridgeArguments& arguments) {
   struct sigaction action {};
   action.sa_handler = end_bridge;
@@ -116,6 +129,42 @@ int bridge(const BridgeArguments& arguments) {
     std::this_thread::sleep_for(std::chrono::milliseconds{20});
   fmt::print("{}\n", text_of(gateway.counts()));
   return kOk;
+}
+
+std::string this_host() {
+  utsname host{};
+  return uname(&host) == 0 ? host.nodename : "host";
+}
+
+}  // namespace
+
+void add_bridge(CommandLine& line) {
+  auto& a = line.values<BridgeArguments>();
+  auto* command =
+      line.app.add_subcommand("bridge", "Connect a ring with those of the same name on other hosts");
+  command->add_option("ring", a.ring, "Name of a ring of this host")->required();
+  command->add_option("--map", a.map,
+                      "Create the ring with this map; it is removed at the end");
+  command->add_option("--domain", a.domain, "DDS domain")
+      ->check(CLI::Range(0, 230))
+      ->capture_default_str();
+  command->add_option("--interface", a.interface,
+                      "Network interface or address [Cyclone DDS chooses]");
+  command
+      ->add_option("--peer", a.peers,
+                   "Address of another host, for networks without multicast; repeatable")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--host", a.host, "Name of this host [its network name]");
+  command->add_flag("--skip-unchanged", a.skips_unchanged,
+                    "Do not send writes that leave a word as it was");
+  command->add_option("--as", a.joint_name, "Name of the ring on all hosts [the ring's]");
+  command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([&] {
+    if (a.host.empty()) a.host = this_host();
+    line.chosen = [&a] { return bridge(a); };
+  });
 }
 
 }  // namespace rths::app

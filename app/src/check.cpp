@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/adapters/safe_machine.hpp>
 #include <rths/adapters/simulink_like.hpp>
@@ -32,11 +33,20 @@
 #include <rths/sim/machine/platen_machine.hpp>
 #include <rths/verdict/plan.hpp>
 
-#include "check_data.hpp"
+#include "checks.hpp"
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct CheckArguments {
+  std::string file;        ///< or "server"
+  ServerArguments server;  ///< its address; empty: a file
+  std::string config;      ///< file with the `config` of a plugin; empty: none
+  std::vector<std::string> sets;  ///< key=value
+  Changes changes;                ///< of an experiment
+};
 
 int check_recording(const std::string& file) {
   const bool repaired = recording::repair(file);
@@ -224,11 +234,9 @@ bool looks_like_toml(const std::string& line) {
   return line[0] == '[' || (line.find('=') != std::string::npos && line.find(',') > line.find('='));
 }
 
-}  // namespace
-
 int check(const CheckArguments& arguments) {
   const auto& file = arguments.file;
-  if (!arguments.address.empty()) return check_server(arguments);
+  if (!arguments.server.address.empty()) return check_server(file, arguments.server);
   if (!arguments.changes.empty()) return check_changed(file, arguments.changes);
   if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
   if (std::filesystem::is_directory(file))
@@ -245,6 +253,38 @@ int check(const CheckArguments& arguments) {
   if (looks_like_toml(line) || (line[0] == '#' && head.find("\n[") != std::string::npos))
     return check_toml(file);
   return check_columns(file);
+}
+
+}  // namespace
+
+void add_check(CommandLine& line) {
+  auto& a = line.values<CheckArguments>();
+  auto* command = line.app.add_subcommand("check",
+                                     "Check a map, diagram, constants, bearing, machine, safety "
+                                     "limits, experiment, scenario of cards, case, improved "
+                                     "model, motion, recording, plugin or FMU; its content "
+                                     "decides which");
+  command->add_option("file", a.file, "File, or the word server")->required();
+  command->add_option("address", a.server.address,
+                      "HOST:PORT of a server for OpenSees' genericClient, after the word server");
+  command->add_option("--config", a.config, "TOML file with the config of a plugin")
+      ->check(CLI::ExistingFile);
+  command->add_option("--dofs", a.server.dofs, "Degrees of freedom of a server")
+      ->check(CLI::Range(1, 15))
+      ->capture_default_str();
+  command
+      ->add_option("--amplitude", a.server.amplitude,
+                   "Trial displacement of a server, in its units [0: it stays at rest]")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--udp", a.server.udp, "The server uses UDP");
+  command
+      ->add_option("--set", a.sets, "Override a key of the experiment, as in rths run: key=value")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->callback([&] {
+    a.changes = split_changes(a.sets);
+    line.chosen = [&a] { return check(a); };
+  });
 }
 
 }  // namespace rths::app

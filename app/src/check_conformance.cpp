@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/adapters/server_check.hpp>
+#include <rths/command_line/program.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
@@ -14,7 +15,7 @@
 #include <rths/plugin/conformance.hpp>
 #include <rths/plugin/python_file.hpp>
 
-#include "commands.hpp"
+#include "checks.hpp"
 
 namespace rths::app {
 namespace {
@@ -61,15 +62,15 @@ int check_fmu(const std::string& file, const std::string& config) {
   return print_findings(file + ": FMU", fmi::check_fmu(file, table));
 }
 
-int check_server(const CheckArguments& arguments) {
+int check_server(const std::string& word, const ServerArguments& arguments) {
   const auto& address = arguments.address;
   const auto colon = address.rfind(':');
   adapters::ServerCheck check;
   const char* end = address.data() + address.size();
-  if (arguments.file != "server" || colon == std::string::npos ||
+  if (word != "server" || colon == std::string::npos ||
       !read_port(address.data() + colon + 1, end, check.port))
     throw Error{
-        fmt::format("found {} {}, expected FILE or server HOST:PORT", arguments.file, address)};
+        fmt::format("found {} {}, expected FILE or server HOST:PORT", word, address)};
   check.address = address.substr(0, colon);
   check.is_udp = arguments.udp;
   check.dofs = arguments.dofs;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "check_data.hpp"
+#include "checks.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/command_line/program.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 #include <rths/experiment/check.hpp>
@@ -15,7 +16,6 @@
 #include <rths/recording/table.hpp>
 #include <rths/sim/motion_file.hpp>
 
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {

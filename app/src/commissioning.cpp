@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Commands before a test: delay, identify, calibrate, pretest.
+#include <limits>
 #include <filesystem>
 #include <optional>
 #include <utility>
@@ -19,11 +20,33 @@
 #include <rths/session/folder.hpp>
 #include <rths/session/pretest.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 #include "temporary_folder.hpp"
 
 namespace rths::app {
 namespace {
+
+/// Of the commands before a test: delay, identify, calibrate, pretest.
+struct CommissioningArguments {
+  std::vector<std::string> files;  ///< recordings, or folders of runs
+  bool json = false;
+  std::string out;  ///< TOML file for the constants; empty: none
+  // delay
+  std::string target = "command", measured = "displacement";  ///< roles, or names of signals
+  double window = 2, search = 0.2;                            ///< [s]
+  double least_rms = 5e-4;  ///< of the target's motion, in its unit
+  // identify empty-table
+  double load = std::numeric_limits<double>::quiet_NaN();  ///< [N]; NaN: that of the recordings
+  std::string block = "observer", observer = "force_observer";
+  std::string inverse = "inverse";  ///< block of `identify inverse`
+  // calibrate
+  std::vector<double> band{0.1, 3};  ///< [Hz]
+  double feed_forward_share = 1.0 / 3;
+  // pretest
+  std::string machine;            ///< recording of the machine; empty: the virtual one
+  std::vector<std::string> sets;  ///< key=value
+};
 
 // A recording that is given twice, or a copy of it, would halve the variance of each estimate.
 std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>& files) {
@@ -101,8 +124,11 @@ int pretest(const CommissioningArguments& a) {
   return result.is_go() ? kOk : kConditionNotMet;
 }
 
-void add_delay(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand(
+}  // namespace
+
+void add_delay(CommandLine& line) {
+  auto& a = line.values<CommissioningArguments>();
+  auto* command = line.app.add_subcommand(
       "delay", "Delay, gain and error of a measured signal behind its target, with intervals");
   command->add_option("recording", a.files, "Recording, or folder of a run")
       ->required()
@@ -123,11 +149,12 @@ void add_delay(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--json", a.json, "One JSON document instead of tables");
-  command->callback([&] { chosen = [&a] { return delay(a); }; });
+  command->callback([&] { line.chosen = [&a] { return delay(a); }; });
 }
 
-void add_identify(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand("identify", "Identify a machine from recordings");
+void add_identify(CommandLine& line) {
+  auto& a = line.values<CommissioningArguments>();
+  auto* command = line.app.add_subcommand("identify", "Identify a machine from recordings");
   command->require_subcommand(1);
   auto* table = command->add_subcommand(
       "empty-table", "Mass, friction and offsets of a machine that moved without a specimen");
@@ -144,7 +171,7 @@ void add_identify(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
       ->capture_default_str();
   table->add_option("--out", a.out, "Write the constants to this TOML file");
   table->add_flag("--json", a.json, "One JSON document instead of tables");
-  table->callback([&] { chosen = [&a] { return identify_empty_table(a); }; });
+  table->callback([&] { line.chosen = [&a] { return identify_empty_table(a); }; });
   auto* inverse = command->add_subcommand(
       "inverse", "Initial coefficients of an adaptive inverse, from runs in which it learnt");
   inverse->add_option("recordings", a.files, "Recordings, or folders of runs; averaged")
@@ -153,11 +180,12 @@ void add_identify(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
       ->capture_default_str();
   inverse->add_option("--out", a.out, "Write the coefficients to this TOML file");
   inverse->add_flag("--json", a.json, "One JSON document instead of tables");
-  inverse->callback([&] { chosen = [&a] { return identify_inverse(a); }; });
+  inverse->callback([&] { line.chosen = [&a] { return identify_inverse(a); }; });
 }
 
-void add_calibrate(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand(
+void add_calibrate(CommandLine& line) {
+  auto& a = line.values<CommissioningArguments>();
+  auto* command = line.app.add_subcommand(
       "calibrate", "Gains of the compensation, from characterisation tests without it");
   command->add_option("recordings", a.files, "Recordings, or folders of runs")->required();
   command->add_option("--band-Hz", a.band, "Lowest and highest frequency of the fit")
@@ -171,11 +199,12 @@ void add_calibrate(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
       ->capture_default_str();
   command->add_option("--out", a.out, "Write the gains to this TOML file");
   command->add_flag("--json", a.json, "One JSON document instead of lines");
-  command->callback([&] { chosen = [&a] { return calibrate(a); }; });
+  command->callback([&] { line.chosen = [&a] { return calibrate(a); }; });
 }
 
-void add_pretest(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
-  auto* command = app.add_subcommand(
+void add_pretest(CommandLine& line) {
+  auto& a = line.values<CommissioningArguments>();
+  auto* command = line.app.add_subcommand(
       "pretest", "Try out a test with a numerical specimen: signals, stability, go or no-go");
   command->add_option("experiment", a.files, "Experiment file")->required()->expected(1);
   command->add_option("--machine", a.machine,
@@ -186,16 +215,7 @@ void add_pretest(CLI::App& app, CommissioningArguments& a, Chosen& chosen) {
       ->take_all()
       ->allow_extra_args(false);
   command->add_flag("--json", a.json, "One JSON document instead of lines");
-  command->callback([&] { chosen = [&a] { return pretest(a); }; });
-}
-
-}  // namespace
-
-void add_commissioning(CLI::App& app, CommissioningArguments& arguments, Chosen& chosen) {
-  add_delay(app, arguments, chosen);
-  add_identify(app, arguments, chosen);
-  add_calibrate(app, arguments, chosen);
-  add_pretest(app, arguments, chosen);
+  command->callback([&] { line.chosen = [&a] { return pretest(a); }; });
 }
 
 }  // namespace rths::app

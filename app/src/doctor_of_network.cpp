@@ -5,9 +5,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/command_line/program.hpp>
 #include <rths/dds/network.hpp>
 
-#include "commands.hpp"
+#include "doctor.hpp"
 
 namespace rths::app {
 namespace {

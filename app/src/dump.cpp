@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
@@ -14,11 +15,21 @@
 #include <rths/recording/recording.hpp>
 #include <rths/session/folder.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 #include "patterns.hpp"
 
 namespace rths::app {
 namespace {
+
+struct DumpArguments {
+  std::string ring_or_recording;      ///< name of a ring, or file of a recording
+  std::vector<std::string> patterns;  ///< signal names; * and ? as in a shell
+  std::string format = "text";        ///< text, json or csv
+  bool once = false;                  ///< print current values only, not changes
+  long count = 0;                     ///< stop after this many lines; 0: no limit
+  long timeout_ms = 0;                ///< stop after this time; 0: never
+};
 
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
@@ -124,11 +135,27 @@ int dump_recording(const DumpArguments& arguments) {
   return kOk;
 }
 
-}  // namespace
-
 int dump(const DumpArguments& arguments) {
   return std::filesystem::exists(arguments.ring_or_recording) ? dump_recording(arguments)
                                                               : dump_ring(arguments);
+}
+
+}  // namespace
+
+void add_dump(CommandLine& line) {
+  auto& a = line.values<DumpArguments>();
+  auto* command =
+      line.app.add_subcommand("dump", "Print the words of a ring, or the rows of a recording");
+  command->add_option("source", a.ring_or_recording, "Name of a ring, or file of a recording")
+      ->required();
+  command->add_option("signals", a.patterns, "Signal names; * and ? as in a shell [all]");
+  command->add_option("--format", a.format)->check(CLI::IsMember({"text", "json", "csv"}));
+  command->add_flag("--once", a.once, "Print current values of a ring, not changes");
+  command->add_option("-n,--count", a.count, "Stop after this number of lines")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([&] { line.chosen = [&a] { return dump(a); }; });
 }
 
 }  // namespace rths::app

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/command_line/write_file.hpp>
 #include <rths/core/axis.hpp>
@@ -15,11 +16,23 @@
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/loop_test.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 #include "scaled.hpp"
 
 namespace rths::app {
 namespace {
+
+struct LoopArguments {
+  std::string bearing;     ///< file, or name of a built-in bearing
+  double amplitude = 0.2;  ///< [m]
+  double frequency = 0.3;  ///< [Hz]
+  int cycles = 3;          ///< at full amplitude
+  double axial_load = 0;   ///< [N]; 0: weight per bearing of the example plant
+  std::string svg, csv;    ///< files to write; empty: none
+  Changes changes;
+  std::vector<std::string> sets;  ///< key=value
+};
 
 using sim::LoopHistory;
 
@@ -77,8 +90,6 @@ void check_change(const Config& bearing, const LoopArguments& arguments, const s
                             did_you_mean_one_of(parameter, known))};
 }
 
-}  // namespace
-
 int loop(const LoopArguments& arguments) {
   const auto file = rths::find_bearing(arguments.bearing);
   Config table = Config::load(file);
@@ -107,6 +118,38 @@ int loop(const LoopArguments& arguments) {
                                            {loop_panel("along one axis", line, false),
                                             loop_panel("along a figure of eight", orbit, true)}));
   return kOk;
+}
+
+}  // namespace
+
+void add_loop(CommandLine& line) {
+  auto& a = line.values<LoopArguments>();
+  auto* command = line.app.add_subcommand("loop", "Drive a bearing through loops; print and draw them");
+  command->add_option("bearing", a.bearing, "Built-in name (lprb, eqsb, tpfb) or file")
+      ->required();
+  command->add_option("--amplitude-m", a.amplitude)
+      ->check(CLI::Range(1e-6, 10.0))
+      ->capture_default_str();
+  command->add_option("--frequency-Hz", a.frequency)
+      ->check(CLI::Range(1e-4, 20.0))
+      ->capture_default_str();
+  command
+      ->add_option("--cycles", a.cycles,
+                   "Cycles at full amplitude, after one with growing amplitude")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--axial-load-N", a.axial_load, "[weight per bearing of the example plant]")
+      ->check(CLI::Range(0.0, 1e9));
+  command->add_option("--svg", a.svg, "Draw both loops into this SVG file");
+  command->add_option("--csv", a.csv, "Write the loop along one axis to this CSV file");
+  command->add_option("--set", a.sets, "Override a term: term.key=value, term.enabled=false")
+      ->take_all()
+      ->allow_extra_args(false);
+  command->callback([&] {
+    a.changes = split_changes(a.sets);
+    line.chosen = [&a] { return loop(a); };
+  });
 }
 
 }  // namespace rths::app

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/core/installed_files.hpp>
 #include <rths/memmap/generate.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
+#include "checks.hpp"
 
 namespace rths::app {
+namespace {
+
+struct MapArguments {
+  std::string file, language = "cpp";
+};
 
 int map_list() {
   for (const auto& name : rths::built_in_names("maps")) {
@@ -18,6 +26,14 @@ int map_list() {
   return kOk;
 }
 
+int map_gen(const std::string& file, const std::string& language) {
+  const auto map = memmap::load_map(rths::find_map(file));
+  fmt::print("{}", language == "c" ? memmap::generate_c(map) : memmap::generate_cpp(map));
+  return kOk;
+}
+
+}  // namespace
+
 int map_check(const std::string& file) {
   const auto map = memmap::load_map(rths::find_map(file));
   fmt::print("{}: map '{}', version {}, {} nodes, {} partitions, {} signals, hash {}\n", file,
@@ -26,10 +42,20 @@ int map_check(const std::string& file) {
   return kOk;
 }
 
-int map_gen(const std::string& file, const std::string& language) {
-  const auto map = memmap::load_map(rths::find_map(file));
-  fmt::print("{}", language == "c" ? memmap::generate_c(map) : memmap::generate_cpp(map));
-  return kOk;
+void add_map(CommandLine& line) {
+  auto& a = line.values<MapArguments>();
+  auto* command = line.app.add_subcommand("map", "Memory maps");
+  command->require_subcommand(1);
+  command->add_subcommand("list", "List the built-in maps")->callback([&] {
+    line.chosen = [] { return map_list(); };
+  });
+  auto* check_command = command->add_subcommand("check", "Check a map");
+  check_command->add_option("map", a.file, "File, or name of a built-in map")->required();
+  check_command->callback([&] { line.chosen = [&a] { return map_check(a.file); }; });
+  auto* gen = command->add_subcommand("gen", "Print a header for programs that use the map");
+  gen->add_option("map", a.file, "File, or name of a built-in map")->required();
+  gen->add_option("--lang", a.language)->check(CLI::IsMember({"c", "cpp"}));
+  gen->callback([&] { line.chosen = [&a] { return map_gen(a.file, a.language); }; });
 }
 
 }  // namespace rths::app

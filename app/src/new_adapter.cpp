@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/command_line/write_file.hpp>
 #include <rths/core/ascii.hpp>
@@ -13,10 +14,17 @@
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct NewAdapterArguments {
+  std::string name;              ///< of the adapter and its folder
+  std::string language = "c";    ///< c, cpp or python
+  std::string role = "machine";  ///< or controller
+};
 
 using Words = std::vector<std::pair<std::string, std::string>>;
 
@@ -77,8 +85,6 @@ std::string filled_in(std::string text, const Words& words) {
   return text;
 }
 
-}  // namespace
-
 int new_adapter(const NewAdapterArguments& arguments) {
   check_name(arguments.name);
   const auto templates = shared_files() / "templates" / "adapter";
@@ -96,6 +102,23 @@ int new_adapter(const NewAdapterArguments& arguments) {
   fmt::print("{}/: a {} in {}. README.md has the commands that test it\n", arguments.name,
              arguments.role, language.name);
   return kOk;
+}
+
+}  // namespace
+
+void add_new(CommandLine& line) {
+  auto& a = line.values<NewAdapterArguments>();
+  auto* make = line.app.add_subcommand("new", "Make a folder to begin with");
+  make->require_subcommand(1);
+  auto* adapter = make->add_subcommand("adapter", "A plugin that builds, with its tests");
+  adapter->add_option("name", a.name, "Name of the adapter and its folder")->required();
+  adapter->add_option("--language", a.language)
+      ->check(CLI::IsMember({"c", "cpp", "python"}))
+      ->capture_default_str();
+  adapter->add_option("--role", a.role)
+      ->check(CLI::IsMember({"machine", "controller"}))
+      ->capture_default_str();
+  adapter->callback([&] { line.chosen = [&a] { return new_adapter(a); }; });
 }
 
 }  // namespace rths::app

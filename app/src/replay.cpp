@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/adapters/adapter_runner.hpp>
 #include <rths/core/config.hpp>
@@ -19,10 +20,18 @@
 #include <rths/report/report.hpp>
 #include <rths/session/folder.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct ReplayArguments {
+  std::string library;       ///< of the plugin
+  std::string recording;     ///< file, or folder of a run
+  std::string config;        ///< file with the `config` of the plugin; empty: none
+  std::string node = "xpc";  ///< whose monitors and parameters it has
+};
 
 using adapters::Direction;
 using adapters::Port;
@@ -168,8 +177,6 @@ Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) 
   return {settings.make(setup, context), static_cast<std::size_t>(rows)};
 }
 
-}  // namespace
-
 int replay(const ReplayArguments& arguments) {
   const recording::Reader run{session::recording_in(arguments.recording)};
   const bool is_fmu = fmi::is_fmu(arguments.library);
@@ -180,6 +187,27 @@ int replay(const ReplayArguments& arguments) {
   loaded.adapter->deactivate();
   print(signals.outputs, std::move(times));
   return kOk;
+}
+
+}  // namespace
+
+void add_replay(CommandLine& line) {
+  auto& a = line.values<ReplayArguments>();
+  auto* command = line.app.add_subcommand(
+      "replay", "Run a plugin or FMU on the inputs of a recording and compare its outputs");
+  command->add_option("library", a.library, "Plugin or FMU")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("recording", a.recording, "Recording, or folder of a run")->required();
+  command
+      ->add_option("--config", a.config,
+                   "TOML file with the config of the plugin, or the table of the FMU's node; "
+                   "without, those of "
+                   "the recorded node")
+      ->check(CLI::ExistingFile);
+  command->add_option("--node", a.node, "Node of its monitors and parameters")
+      ->capture_default_str();
+  command->callback([&] { line.chosen = [&a] { return replay(a); }; });
 }
 
 }  // namespace rths::app

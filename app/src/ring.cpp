@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <optional>
 #include <algorithm>
 #include <filesystem>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/card/shared_cards.hpp>
@@ -10,10 +12,17 @@
 #include <rths/core/error.hpp>
 #include <rths/replicated/images.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct RingArguments {
+  std::string source;  ///< scenario; of `show` also the name of a ring
+  std::string out;     ///< file of the trace; empty: named after the scenario, in this folder
+  std::optional<double> at_us;  ///< time of the picture [µs]; empty: the end
+};
 
 void print_registers(const scramnet::SharedCard& card) {
   for (const int csr : {0, 1, 2, 8})
@@ -76,8 +85,6 @@ int show_running(const std::string& name) {
   return has_images ? show_images(ring) : show_shared(ring, cards);
 }
 
-}  // namespace
-
 int ring_trace(const RingArguments& arguments) {
   const auto scenario = replicated::load_scenario(arguments.source);
   const std::string out =
@@ -102,6 +109,29 @@ int ring_show(const RingArguments& arguments) {
                                    : end);
   fmt::print("{}", replicated::show(course));
   return kOk;
+}
+
+}  // namespace
+
+void add_ring(CommandLine& line) {
+  auto& a = line.values<RingArguments>();
+  auto* command =
+      line.app.add_subcommand("ring", "Simulate a ring of cards in virtual time, message by message");
+  command->require_subcommand(1);
+  auto* trace = command->add_subcommand(
+      "trace", "Write every hop of a scenario as trace events for Perfetto or chrome://tracing");
+  trace->add_option("scenario", a.source, "Scenario file")
+      ->required()
+      ->check(CLI::ExistingFile);
+  trace->add_option("--out", a.out,
+                    "File for the trace [name of the scenario, in this folder]");
+  trace->callback([&] { line.chosen = [&a] { return ring_trace(a); }; });
+  auto* show = command->add_subcommand(
+      "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring");
+  show->add_option("source", a.source, "Scenario file, or name of a ring")->required();
+  show->add_option("--at-us", a.at_us, "Time in the scenario [us; its end]")
+      ->check(CLI::NonNegativeNumber);
+  show->callback([&] { line.chosen = [&a] { return ring_show(a); }; });
 }
 
 }  // namespace rths::app

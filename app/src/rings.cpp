@@ -3,13 +3,16 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 #include <rths/launch/privileges.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
+#include "doctor.hpp"
 
 namespace rths::app {
 namespace {
@@ -106,8 +109,6 @@ bool remove_unused() {
   return all;
 }
 
-}  // namespace
-
 int doctor(const DoctorArguments& arguments) {
   if (arguments.domain) return doctor_of_network(arguments);
   const std::string& format = arguments.format;
@@ -135,6 +136,35 @@ int doctor(const DoctorArguments& arguments) {
 int clean(const std::vector<std::string>& rings) {
   const bool all = rings.empty() ? remove_unused() : remove_named(rings);
   return all ? kOk : kConditionNotMet;
+}
+
+}  // namespace
+
+void add_doctor(CommandLine& line) {
+  auto& a = line.values<DoctorArguments>();
+  auto* command = line.app.add_subcommand(
+      "doctor", "List the rings of this host and their faults, or the network's");
+  command->add_option("--format", a.format)->check(CLI::IsMember({"text", "json"}));
+  auto* domain =
+      command
+          ->add_option("--domain", a.domain,
+                       "Examine the network: interfaces, gateways of this DDS domain, their clocks")
+          ->check(CLI::Range(0, 230));
+  command->add_option("--interface", a.interface, "As for the gateway of this host")
+      ->needs(domain);
+  command->add_option("--peer", a.peers, "As for the gateway of this host")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->needs(domain);
+  command->callback([&] { line.chosen = [&a] { return doctor(a); }; });
+}
+
+void add_clean(CommandLine& line) {
+  auto& a = line.values<std::vector<std::string>>();
+  auto* command =
+      line.app.add_subcommand("clean", "Remove rings that no running process uses, but keep idle cards");
+  command->add_option("ring", a, "Names of rings to remove, also with idle cards");
+  command->callback([&] { line.chosen = [&a] { return clean(a); }; });
 }
 
 }  // namespace rths::app

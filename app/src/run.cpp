@@ -3,16 +3,35 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/core/message.hpp>
 #include <rths/session/run.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 #include "shown_progress.hpp"
 
 namespace rths::app {
 namespace {
+
+struct RunArguments {
+  session::RunSettings settings;
+  std::string clock = "wall";
+  std::vector<std::string> sets;  ///< key=value
+  bool json = false;
+};
+
+struct NodeArguments {
+  std::string experiment, node, ring, recording;
+  Changes changes;
+  std::vector<std::string> sets;  ///< key=value
+};
+
+struct ReportArguments {
+  std::string folder, beside;
+};
 
 std::string text_of(const report::ReportOutcome& written) {
   return fmt::format("report    {}\nnumbers   {}\n{}", written.page.string(),
@@ -72,8 +91,6 @@ class Output {
   bool json_;
 };
 
-}  // namespace
-
 int run(const RunArguments& arguments) {
   ShownProgress progress;
   const Output output{arguments.json};
@@ -107,11 +124,78 @@ int report(const std::string& folder, const std::string& beside) {
   return written.conclusive ? kOk : kConditionNotMet;
 }
 
-void check_sizes(const experiment::Experiment& experiment) {
-  for (const auto& remark : session::remarks_on(experiment))
-    write_message(fmt::format("rths: {}\n", remark));
+}  // namespace
+
+void add_run(CommandLine& line) {
+  auto& a = line.values<RunArguments>();
+  auto* command = line.app.add_subcommand("run", "Run an experiment and write its recording and report");
+  command->add_option("experiment", a.settings.experiment, "Experiment file")->required();
+  command
+      ->add_option("--clock", a.clock,
+                   "wall: real time, one process per node; virtual: deterministic, no waiting; "
+                   "auto: real time, repeated in virtual time if the host was too late")
+      ->check(CLI::IsMember({"wall", "virtual", "auto"}));
+  auto* out = command->add_option("--out", a.settings.out,
+                                  "Folder for the results [a new one: out/<name>/<UTC time>]");
+  command
+      ->add_flag("--force", a.settings.replaces,
+                 "Replace the results of an earlier run in --out")
+      ->needs(out);
+  command->add_option("--ring", a.settings.ring, "Name of the ring [the experiment's]");
+  auto* host = command->add_option("--host", a.settings.host,
+                                   "Run only the nodes of this host, together with the other hosts "
+                                   "of the experiment");
+  command
+      ->add_option("--interface", a.settings.interface,
+                   "Network interface or address, with --host [the experiment's]")
+      ->needs(host);
+  command
+      ->add_option(
+          "--set", a.sets,
+          "Override a key of the experiment: key=value, such as map=sts or motion.scale=0.5")
+      ->take_all()
+      ->allow_extra_args(false);
+  command
+      ->add_option("--improve", a.settings.improvements,
+                   "improved.toml of a diagnosis, added to the improvements of the model")
+      ->check(CLI::ExistingFile)
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_flag("!--no-diagnosis", a.settings.diagnoses,
+                    "Do not diagnose the recording at the end");
+  command->add_flag("--json", a.json, "One JSON document instead of lines");
+  command->callback([&] {
+    auto& settings = a.settings;
+    if (a.clock == "virtual") settings.clock = launch::ClockKind::Virtual;
+    settings.repeats_late = a.clock == "auto";
+    settings.changes = split_changes(a.sets);
+    settings.version = version();
+    line.chosen = [&a] { return run(a); };
+  });
 }
 
-std::string version() { return RTHS_VERSION; }
+void add_node(CommandLine& line) {
+  auto& a = line.values<NodeArguments>();
+  auto* command = line.app.add_subcommand("node", "Run one node; for the launcher");
+  command->group("");
+  command->add_option("experiment", a.experiment)->required();
+  command->add_option("--node", a.node)->required();
+  command->add_option("--ring", a.ring)->required();
+  command->add_option("--recording", a.recording)->required();
+  command->add_option("--set", a.sets)->take_all()->allow_extra_args(false);
+  command->callback([&] {
+    a.changes = split_changes(a.sets);
+    line.chosen = [&a] { return node(a); };
+  });
+}
+
+void add_report(CommandLine& line) {
+  auto& a = line.values<ReportArguments>();
+  auto* command = line.app.add_subcommand("report", "Rewrite the report of a run");
+  command->add_option("folder", a.folder, "Folder of the run")->required();
+  command->add_option("--beside", a.beside,
+                      "Folder of another run, to show its response and spectra, too");
+  command->callback([&] { line.chosen = [&a] { return report(a.folder, a.beside); }; });
+}
 
 }  // namespace rths::app

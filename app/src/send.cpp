@@ -4,6 +4,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
@@ -12,10 +13,16 @@
 #include <rths/memmap/codec.hpp>
 #include <rths/memmap/units.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct SendArguments {
+  std::string ring;
+  std::vector<std::string> assignments;  ///< name=value; optional unit, default the map's
+};
 
 struct Assignment {
   const memmap::SignalEntry* entry;
@@ -104,8 +111,6 @@ void write_all(broker::Ring& ring, const std::string& node,
   }
 }
 
-}  // namespace
-
 int send(const SendArguments& arguments) {
   broker::Ring ring = broker::Ring::attach(arguments.ring);
   // Parses everything before it writes anything.
@@ -116,6 +121,18 @@ int send(const SendArguments& arguments) {
   }
   for (const auto& [node, assignments] : by_writer) write_all(ring, node, assignments);
   return kOk;
+}
+
+}  // namespace
+
+void add_send(CommandLine& line) {
+  auto& a = line.values<SendArguments>();
+  auto* command = line.app.add_subcommand("send", "Write words of a ring by name");
+  command->add_option("ring", a.ring, "Name of a ring")->required();
+  command
+      ->add_option("assignments", a.assignments, "name=value, optionally with a unit: 12.5mm")
+      ->required();
+  command->callback([&] { line.chosen = [&a] { return send(a); }; });
 }
 
 }  // namespace rths::app

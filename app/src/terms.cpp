@@ -5,17 +5,25 @@
 #include <functional>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <rths/command_line/write_file.hpp>
 #include <rths/report/drawing.hpp>
 #include <rths/sim/loop_test.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 #include "scaled.hpp"
 
 namespace rths::app {
 namespace {
+
+struct TermsArguments {
+  std::vector<std::string> names;  ///< empty: all
+  std::string format = "text";     ///< text, markdown, or json, one object per line
+  std::string draw;                ///< folder for drawings; empty: print text
+};
 
 using sim::LoopHistory;
 using sim::TermKind;
@@ -116,8 +124,6 @@ std::string json_of(const TermKind& kind) {
   return json.dump() + "\n";
 }
 
-}  // namespace
-
 int terms(const TermsArguments& arguments) {
   std::vector<TermKind> kinds;
   for (const auto& name : arguments.names) kinds.push_back(sim::term_kind(name));
@@ -134,6 +140,20 @@ int terms(const TermsArguments& arguments) {
                      : arguments.format == "markdown" ? markdown_of(kind)
                                                       : text_of(kind));
   return kOk;
+}
+
+}  // namespace
+
+void add_terms(CommandLine& line) {
+  auto& a = line.values<TermsArguments>();
+  auto* command = line.app.add_subcommand(
+      "terms", "List the terms of bearings, machines and sensors, with equations");
+  command->add_option("names", a.names, "Terms to list [all]");
+  command->add_option("--format", a.format)
+      ->check(CLI::IsMember({"text", "markdown", "json"}));
+  command->add_option("--draw", a.draw,
+                      "Draw the effect of each term into this folder, print nothing");
+  command->callback([&] { line.chosen = [&a] { return terms(a); }; });
 }
 
 }  // namespace rths::app

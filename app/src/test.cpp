@@ -4,16 +4,22 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/core/clock.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/message.hpp>
 #include <rths/testkit/test_file.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct TestArguments {
+  std::string file, kept = "out/failed_tests";
+};
 
 constexpr std::size_t kShownLines = 12;  // of each log
 
@@ -49,8 +55,6 @@ class Folder {
   bool is_kept_ = false;
 };
 
-}  // namespace
-
 int test(const std::string& file, const std::string& kept) {
   const auto test = testkit::read_test(Config::load(file));
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
@@ -70,6 +74,18 @@ int test(const std::string& file, const std::string& kept) {
   for (const auto& program : result.programs) print_log(folder.path() / (program + ".log"));
   write_message(fmt::format("logs and recording: {}\n", folder.path().string()));
   return kConditionNotMet;
+}
+
+}  // namespace
+
+void add_test(CommandLine& line) {
+  auto& a = line.values<TestArguments>();
+  auto* command = line.app.add_subcommand(
+      "test", "Run a test: programs on a ring of their own, faults, expectations of signals");
+  command->add_option("file", a.file, "Test file")->required()->check(CLI::ExistingFile);
+  command->add_option("--keep", a.kept, "Folder for logs and recordings of failed tests")
+      ->capture_default_str();
+  command->callback([&] { line.chosen = [&a] { return test(a.file, a.kept); }; });
 }
 
 }  // namespace rths::app

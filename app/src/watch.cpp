@@ -4,13 +4,21 @@
 #include <thread>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <rths/broker/watch_text.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 
 namespace rths::app {
 namespace {
+
+struct WatchArguments {
+  std::string ring;
+  long period_us = 50;  ///< between two scans
+  long timeout_ms = 0;  ///< stop after this time; 0: never
+};
 
 using std::chrono::steady_clock;
 
@@ -22,8 +30,6 @@ void print_store(const broker::PlainStore& store, TimePoint begun) {
              store.owner.empty() ? "no owner" : "owner " + store.owner, broker::writers_of(store));
   std::fflush(stdout);
 }
-
-}  // namespace
 
 int watch(const WatchArguments& arguments) {
   broker::Ring ring = broker::Ring::attach(arguments.ring);
@@ -40,6 +46,21 @@ int watch(const WatchArguments& arguments) {
     std::this_thread::sleep_for(std::chrono::microseconds{arguments.period_us});
   } while (arguments.timeout_ms == 0 || steady_clock::now() < until);
   return found ? kConditionNotMet : kOk;
+}
+
+}  // namespace
+
+void add_watch(CommandLine& line) {
+  auto& a = line.values<WatchArguments>();
+  auto* command = line.app.add_subcommand(
+      "watch",
+      "Journal stores of clients that bypass the API; print stores into other nodes' words");
+  command->add_option("ring", a.ring, "Name of a ring")->required();
+  command->add_option("--period-us", a.period_us, "Time between two scans [50]")
+      ->check(CLI::Range(1, 1'000'000));
+  command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
+      ->check(CLI::NonNegativeNumber);
+  command->callback([&] { line.chosen = [&a] { return watch(a); }; });
 }
 
 }  // namespace rths::app

@@ -3,6 +3,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <rths/broker/follow.hpp>
@@ -10,11 +11,18 @@
 #include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 
+#include "command.hpp"
 #include "commands.hpp"
 #include "patterns.hpp"
 
 namespace rths::app {
 namespace {
+
+struct WhoArguments {
+  std::string ring;
+  std::vector<std::string> patterns;  ///< signal names; * and ? as in a shell
+  std::string format = "text";        ///< text or json, one object per line
+};
 
 std::string ago(TimePoint time, TimePoint now) {
   const double milliseconds = 1e3 * to_seconds(now - time);
@@ -115,8 +123,6 @@ nlohmann::ordered_json json_of(const memmap::SignalEntry& entry, double value,
           {"age_max_ms", age_ms(last.not_before, now)}};
 }
 
-}  // namespace
-
 int who(const WhoArguments& arguments) {
   broker::Ring ring = broker::Ring::attach(arguments.ring);
   const broker::Node node = ring.observe();
@@ -143,6 +149,17 @@ int who(const WhoArguments& arguments) {
                is_stored ? foreign_text(ring.map(), store->second, now) : "");
   }
   return is_foreign ? kConditionNotMet : kOk;
+}
+
+}  // namespace
+
+void add_who(CommandLine& line) {
+  auto& a = line.values<WhoArguments>();
+  auto* command = line.app.add_subcommand("who", "Print the last writer and write time of words");
+  command->add_option("ring", a.ring, "Name of a ring")->required();
+  command->add_option("signals", a.patterns, "Signal names; * and ? as in a shell [all]");
+  command->add_option("--format", a.format)->check(CLI::IsMember({"text", "json"}));
+  command->callback([&] { line.chosen = [&a] { return who(a); }; });
 }
 
 }  // namespace rths::app
