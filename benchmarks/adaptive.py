@@ -1,12 +1,8 @@
 """Runs the demo's test with its adaptive inverse and with ATS on drawn machines, in virtual time."""
-import json
-import pathlib
 import random
 import statistics
-import subprocess
-import tempfile
 
-from results_file import TREE
+from runs import report_of
 
 DRAWS = 5  # beside the nominal machine
 EXAMPLES = {"adaptive": "srmd_lprb_2d.toml", "ats": "srmd_lprb_2d_ats.toml"}
@@ -28,18 +24,12 @@ def machine(draw):
 
 def run(rths, example, draw):
     """Figures by axis, or None if the safety layer ended the test."""
-    with tempfile.TemporaryDirectory() as folder:
-        finished = subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--no-diagnosis",
-                                   "--out", folder, *SAME, *machine(draw)], stdout=subprocess.DEVNULL)
-        page = pathlib.Path(folder) / "report.json"
-        if finished.returncode > 1 and not page.exists():  # 1: not conclusive
-            finished.check_returncode()
-        report = json.loads(page.read_text())
-        if report["ending"]:
-            if "safety trip" not in report["ending"]:
-                raise RuntimeError(f"{example}, machine {draw}: {report['ending']}")
-            return None
-        return {axis: {key: report["axes"][axis][key] for key in FIGURES} for axis in ("long", "lat")}
+    report = report_of(rths, example, "--no-diagnosis", *SAME, *machine(draw), may_end_early=True)
+    if report["ending"]:
+        if "safety trip" not in report["ending"]:
+            raise RuntimeError(f"{example}, machine {draw}: {report['ending']}")
+        return None
+    return {axis: {key: report["axes"][axis][key] for key in FIGURES} for axis in ("long", "lat")}
 
 
 def adaptive(rths):

@@ -1,13 +1,12 @@
 """Runs the demo with ten seeds, in virtual and in real time, and collects what its diagnoses name."""
 import json
-import pathlib
 import statistics
-import subprocess
 
+import runs
 from results_file import TREE
 
 SEEDS = range(11, 21)
-CLOCKS = {"virtual": ["--clock", "virtual"], "real": []}
+CLOCKS = {"virtual": "virtual", "real": "wall"}
 FRICTION = "load_dependent_friction"
 HIDDEN = ("adiabatic_heating", FRICTION)  # the simulation omits both
 HEATING = ("adiabatic_heating", "lead_heating")
@@ -18,11 +17,7 @@ def run(rths, clock, seed, folder):
     """Runs the demo into a folder, unless its verdict is there already."""
     if (folder / "verdict.json").exists():
         return
-    command = [rths, "run", str(TREE / "examples/srmd_platen_2d.toml"), *CLOCKS[clock], "--set", f"seed={seed}",
-               "--out", str(folder), "--force"]
-    finished = subprocess.run(command, stdout=subprocess.DEVNULL)
-    if finished.returncode > 1:  # 1: not conclusive
-        finished.check_returncode()
+    runs.run(rths, "srmd_platen_2d.toml", folder, "--force", "--set", f"seed={seed}", clock=CLOCKS[clock])
 
 
 def is_right(name):
@@ -58,13 +53,13 @@ def of_run(folder, clock, seed):
     }
 
 
-def summary(runs):
+def summary(tests):
     """Counts over some runs, and the scatter of the improved simulation."""
-    found = {key: sum(one[key] for one in runs) for key in
+    found = {key: sum(one[key] for one in tests) for key in
              ("both_named", "both_named_or_tied", "friction_without_alternatives", "without_alternatives", "wrong_and_sure",
               "conclusive")}
-    found["runs"] = len(runs)
-    complete = [one["budget"] for one in runs if len(one["budget"]) == 2]
+    found["runs"] = len(tests)
+    complete = [one["budget"] for one in tests if len(one["budget"]) == 2]
     found["budgets"] = len(complete)
     found["both_axes_within_3_percent"] = sum(
         all(axis["difference_after"] <= 0.03 for axis in budget.values()) for budget in complete)
@@ -74,17 +69,17 @@ def summary(runs):
         found[axis] = {"median": statistics.median(after), "largest": max(after),
                        "host_lowest": min(host), "host_highest": max(host)}
     found["largest_error_of_sum"] = max(abs(axis["sum"] - 1) for budget in complete for axis in budget.values())
-    found["largest_lateness_ms"] = max(one["host_late_max_ms"] for one in runs)
+    found["largest_lateness_ms"] = max(one["host_late_max_ms"] for one in tests)
     return found
 
 
 def demo_seeds(rths):
     """All runs. Their folders stay in out/demo_seeds, so an interrupted collection goes on where it stopped."""
-    runs = []
+    tests = []
     for clock in CLOCKS:
         for seed in SEEDS:
             folder = TREE / "out" / "demo_seeds" / f"{clock}_{seed}"
             run(rths, clock, seed, folder)
-            runs.append(of_run(folder, clock, seed))
-    return {"all": summary(runs)} | {clock: summary([one for one in runs if one["clock"] == clock]) for clock in CLOCKS} | {
-        "each": runs}
+            tests.append(of_run(folder, clock, seed))
+    return {"all": summary(tests)} | {clock: summary([one for one in tests if one["clock"] == clock]) for clock in CLOCKS} | {
+        "each": tests}

@@ -35,7 +35,8 @@ import adaptive
 import demo_seeds
 import opensees_runs
 import pretest
-from results_file import RESULTS, TREE, commit, machine, set_options, stamp, write
+import runs
+from results_file import RESULTS, commit, machine, set_options, stamp, write
 
 RUN_KEYS = ("name", "clock", "processes", "duration_s", "integration_step_s", "control_rate_hz", "overruns",
             "slow_downs", "slow_downs_excused", "host_late_max_ms", "steps_excused", "conclusive",
@@ -94,9 +95,8 @@ def of_run(report):
 def third_cycle(rths, bearing, changes):
     """Peak force and strength [kN] of the third full cycle of a bearing's loop."""
     amplitude, frequency = LOOPS[bearing]
-    options = [part for change in changes for part in ("--set", change)]
     loop = subprocess.run([rths, "loop", bearing, "--amplitude-m", str(amplitude), "--frequency-Hz", str(frequency),
-                           *options], capture_output=True, text=True, check=True)
+                           *set_options(changes)], capture_output=True, text=True, check=True)
     cycle, peak, strength, *_ = loop.stdout.split("\n")[4].split()
     if cycle != "3":
         raise SystemExit(f"rths loop {bearing}: expected cycle 3 in the fifth line, found:\n{loop.stdout}")
@@ -106,12 +106,7 @@ def third_cycle(rths, bearing, changes):
 def examples(rths):
     """Results of the examples in virtual time, which are the same on every run."""
     def run(example, *options):
-        with tempfile.TemporaryDirectory() as folder:
-            run = subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--out", folder,
-                                  *options], stdout=subprocess.DEVNULL)
-            if run.returncode > 1:  # 1: not conclusive
-                run.check_returncode()
-            return of_run(json.loads((pathlib.Path(folder) / "report.json").read_text()))
+        return of_run(runs.report_of(rths, example, *options))
     return {
         "runs": {
             "lprb": run("srmd_lprb_2d.toml"),
@@ -155,8 +150,7 @@ def budget(rths):
     """Mismatch budgets of three examples in virtual time, by axis."""
     def run(example):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([rths, "run", str(TREE / "examples" / example), "--clock", "virtual", "--out", folder],
-                           stdout=subprocess.DEVNULL)
+            runs.run(rths, example, folder)
             found = json.loads((pathlib.Path(folder) / "verdict.json").read_text())["budget"]
             return {axis.pop("axis"): axis for axis in found["axes"]} | {"replay_nrms": found["replay_nrms"]}
     return {"demo": run("srmd_platen_2d.toml"), "lprb": run("srmd_lprb_2d.toml"), "tracking": run("mismatch_tracking_2d.toml")}
@@ -165,7 +159,7 @@ def budget(rths):
 def tests_of(file):
     """Tests of a --gtest_output=json file with their recorded properties; stops if one failed or was skipped."""
     known = {"name", "file", "line", "status", "result", "timestamp", "time", "classname", "value_param"}
-    for suite in json.loads(pathlib.Path(file).read_text())["testsuites"]:
+    for suite in read(file)["testsuites"]:
         for test in suite["testsuite"]:
             name = f"{suite['name']}.{test['name']}"
             if "failures" in test or test["result"] != "COMPLETED":
@@ -217,6 +211,10 @@ def opensees_comparison(file):
     return {"largest_axial_percent": largest, "rows": rows}
 
 
+def read(file):
+    return json.loads(pathlib.Path(file).read_text())
+
+
 def bench(name):
     """`rths bench NAME`; its `result` says whether it met its goals."""
     def run(rths):
@@ -229,15 +227,11 @@ def bench(name):
 
 
 def main():
-    makers = {"demo": lambda file: of_run(json.loads(pathlib.Path(file).read_text())), "examples": examples, "budget": budget, "card": bench("card"),
-              "force": bench("force"), "vertical": bench("vertical"), "adaptive": adaptive.adaptive,
-              "demo_seeds": demo_seeds.demo_seeds,
+    makers = {"demo": lambda file: of_run(read(file)), "srmd": lambda file: srmd(read(file)),
+              "least_squares": read, "mutants": read, "substeps": read, "traps": read,
+              "card": bench("card"), "force": bench("force"), "vertical": bench("vertical"),
+              "adaptive": adaptive.adaptive, "budget": budget, "demo_seeds": demo_seeds.demo_seeds, "examples": examples,
               "pretest": pretest.predictions,
-              "srmd": lambda file: srmd(json.loads(pathlib.Path(file).read_text())),
-              "least_squares": lambda file: json.loads(pathlib.Path(file).read_text()),
-              "substeps": lambda file: json.loads(pathlib.Path(file).read_text()),
-              "traps": lambda file: json.loads(pathlib.Path(file).read_text()),
-              "mutants": lambda file: json.loads(pathlib.Path(file).read_text()),
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
               "kills": kills, "deaths": deaths, "real_recordings": real_recordings,
               "opensees_comparison": opensees_comparison}

@@ -2,12 +2,11 @@
 simulation, in virtual time: with different noise of the sensors, and on other machines."""
 import json
 import math
-import pathlib
 import statistics
 import subprocess
-import tempfile
 
 from results_file import TREE, set_options
+from runs import report_of
 
 SAME_SPECIMEN = ("--set", "model.specimen.lead_heating.enabled=true")
 SEEDS = (1992, 7, *range(11, 17))  # first the example's
@@ -38,14 +37,8 @@ def predicted(rths, sets):
 
 def measured(rths, sets):
     """Difference [%] of the test, by axis."""
-    with tempfile.TemporaryDirectory() as folder:
-        finished = subprocess.run([rths, "run", str(TREE / "examples/srmd_platen_2d.toml"), "--clock", "virtual",
-                                   "--no-diagnosis", "--set", "held_out={}", "--set", "uncompensated={}", "--out", folder, *sets],
-                                  stdout=subprocess.DEVNULL)
-        if finished.returncode > 1:  # 1: not conclusive
-            finished.check_returncode()
-        report = json.loads((pathlib.Path(folder) / "report.json").read_text())
-        return {axis: report["axes"][axis]["numerical_difference_percent"] for axis in AXES}
+    report = report_of(rths, "srmd_platen_2d.toml", "--no-diagnosis", "--set", "held_out={}", "--set", "uncompensated={}", *sets)
+    return {axis: report["axes"][axis]["numerical_difference_percent"] for axis in AXES}
 
 
 def row(rths, *sets):

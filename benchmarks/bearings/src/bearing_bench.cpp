@@ -64,11 +64,6 @@ GateResult gate_result_of(const BearingResult& result, bool quiet) {
   return quiet ? GateResult::Fail : GateResult::Inconclusive;
 }
 
-bool any(const BearingReport& report, GateResult gate_result) {
-  return std::any_of(report.bearings.begin(), report.bearings.end(),
-                     [&](const auto& result) { return result.gate_result == gate_result; });
-}
-
 }  // namespace
 
 BearingReport run_bearing_bench(const BearingOptions& options) {
@@ -91,9 +86,7 @@ BearingReport run_bearing_bench(const BearingOptions& options) {
                     100 * load.other, 100 * load.steal));
   for (auto& result : report.bearings)
     result.gate_result = gate_result_of(result, report.troubles.empty());
-  report.result = any(report, GateResult::Fail)           ? GateResult::Fail
-                  : any(report, GateResult::Inconclusive) ? GateResult::Inconclusive
-                                                          : GateResult::Pass;
+  report.result = worst_of(report.bearings);
   return report;
 }
 

@@ -1,15 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/bench/opensees.hpp>
 
-#include <unistd.h>
-
-#include <cstdlib>
 #include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <rths/bench/program.hpp>
+#include <rths/bench/temporary_folder.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::bench {
@@ -20,27 +18,6 @@ namespace fs = std::filesystem;
 
 constexpr int kCopies = 20;  // in addition to the first
 constexpr std::chrono::seconds kTimeout{120};
-
-// A temporary folder; the destructor removes it.
-class Folder {
- public:
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "rths_bearings_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw Error{"cannot create a temporary folder for OpenSees"};
-    path_ = name;
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 void write_motion(const fs::path& file, const Shaking& shaking) {
   std::ofstream out{file};
@@ -84,7 +61,7 @@ OpenSeesTimes opensees_times(const OpenSeesInstallation& opensees, const std::st
     return times;
   }
   try {
-    const Folder folder;
+    const TemporaryFolder folder{"bearings"};
     write_motion(folder.path() / "motion.csv", shaking);
     test_case["motion"] = (folder.path() / "motion.csv").string();
     test_case["time_step_s"] = time_step;

@@ -3,18 +3,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <rths/bench/bearing_bench.hpp>
-#include <rths/core/ascii.hpp>
+#include <rths/bench/report.hpp>
 
 namespace rths::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// Incremented when existing readers would misread the document.
-constexpr int kFormat = 1;
 
 Json document(const StepTimes& times) {
   return {{"p50_ns", times.p50},
@@ -62,20 +56,17 @@ std::string opensees_line(const BearingResult& result) {
                      theirs.further, result.earthquake.p50, theirs.further / result.earthquake.p50);
 }
 
-std::string upper(std::string text) {
-  for (char& c : text) c = rths::upper(c);
-  return text;
-}
-
 }  // namespace
 
 std::string to_json(const BearingReport& report) {
-  Json out = {{"format", kFormat},           {"result", to_text(report.result)},
-              {"troubles", report.troubles}, {"passes", report.passes},
-              {"steps", report.steps},       {"machine", Json::parse(to_json(report.machine))},
+  Json out = {{"result", to_text(report.result)},
+              {"troubles", report.troubles},
+              {"passes", report.passes},
+              {"steps", report.steps},
+              {"machine", document(report.machine)},
               {"bearings", Json::array()}};
   for (const auto& result : report.bearings) out["bearings"].push_back(document(result));
-  return out.dump(2) + "\n";
+  return written(1, out);
 }
 
 std::string to_text(const BearingReport& report) {
@@ -96,9 +87,7 @@ std::string to_text(const BearingReport& report) {
   out += fmt::format("\n{:<32}{:>12}{:>12}{:>12}{:>12}\n", "OpenSees", "step alone", "further one",
                      "ours", "times");
   for (const auto& result : report.bearings) out += opensees_line(result);
-  out += fmt::format("\n{}\n", upper(to_text(report.result)));
-  for (const std::string& trouble : report.troubles) out += fmt::format("  {}\n", trouble);
-  return out;
+  return out + conclusion(report.result, report.troubles);
 }
 
 }  // namespace rths::bench

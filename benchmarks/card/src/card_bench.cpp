@@ -5,19 +5,17 @@
 #include <ctime>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include <rths/bench/report.hpp>
 #include <rths/replicated/ring.hpp>
 
 namespace rths::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using replicated::Access;
 using replicated::CardType;
 using replicated::Time;
 
-constexpr int kFormat = 1;  ///< of the document
 constexpr double kGoal = 2e6;
 constexpr Time kRefill = std::chrono::microseconds{10};  ///< less than a FIFO lasts at 210 MB/s
 
@@ -96,13 +94,12 @@ CardRow measure(const Kind& kind, const CardOptions& options) {
     for (; passed < options.seconds; passed = thread_seconds() - start) ring.advance();
     rates.push_back(static_cast<double>(ring.ring().hops() - hops) / passed);
   }
-  std::nth_element(rates.begin(), rates.begin() + options.passes / 2, rates.end());
   CardRow row;
   row.name = kind.name;
   row.title = kind.title;
   row.nodes = static_cast<int>(kind.nodes);
   row.senders = static_cast<int>(kind.senders);
-  row.hops_per_s = rates[static_cast<std::size_t>(options.passes / 2)];
+  row.hops_per_s = median(rates);
   row.megabytes_per_s =
       (ring.bytes() - bytes) / (replicated::to_ns(ring.ring().now() - begun) * 1e-3);
   row.published = kind.published;
@@ -119,20 +116,15 @@ CardReport run_card_bench(const CardOptions& options) {
   CardReport report;
   report.machine = describe_machine();
   report.passes = options.passes;
-  report.result = GateResult::Pass;
-  for (const Kind& kind : kKinds) {
-    report.rows.push_back(measure(kind, options));
-    if (report.rows.back().gate_result == GateResult::Inconclusive)
-      report.result = GateResult::Inconclusive;
-  }
+  for (const Kind& kind : kKinds) report.rows.push_back(measure(kind, options));
+  report.result = worst_of(report.rows);
   return report;
 }
 
 std::string to_json(const CardReport& report) {
-  Json out = {{"format", kFormat},
-              {"result", to_text(report.result)},
+  Json out = {{"result", to_text(report.result)},
               {"passes", report.passes},
-              {"machine", Json::parse(to_json(report.machine))},
+              {"machine", document(report.machine)},
               {"rows", Json::array()}};
   for (const auto& row : report.rows)
     out["rows"].push_back({{"name", row.name},
@@ -144,7 +136,7 @@ std::string to_json(const CardReport& report) {
                            {"megabytes_per_s", row.megabytes_per_s},
                            {"published_megabytes_per_s", row.published},
                            {"verdict", to_text(row.gate_result)}});
-  return out.dump(2) + "\n";
+  return written(1, out);
 }
 
 std::string to_text(const CardReport& report) {
@@ -155,7 +147,7 @@ std::string to_text(const CardReport& report) {
     out += fmt::format("{:<34}{:>7}{:>9}{:>16.2f}{:>9.2f}{:>9.1f}  {}\n", row.title, row.nodes,
                        row.senders, row.hops_per_s * 1e-6, row.megabytes_per_s, row.published,
                        to_text(row.gate_result));
-  return out;
+  return out + conclusion(report.result, {});
 }
 
 }  // namespace rths::bench

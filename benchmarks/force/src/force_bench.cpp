@@ -6,9 +6,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include <rths/bench/statistics.hpp>
+#include <rths/bench/report.hpp>
 #include <rths/controller/filters.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/core/error.hpp>
@@ -18,11 +17,7 @@
 namespace rths::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
 using controller::TableForce;
-
-// Incremented when existing readers would misread the document.
-constexpr int kFormat = 1;
 
 constexpr double kSample = 1e-3;
 constexpr double kCutoff = 60;                  // of the observer [Hz]
@@ -153,7 +148,6 @@ ForceReport run_force_bench(const ForceOptions& options) {
 
 std::string to_json(const ForceReport& report) {
   Json out = {
-      {"format", kFormat},
       {"result", to_text(report.result)},
       {"seeds", report.seeds},
       {"duration_s", report.duration},
@@ -167,7 +161,7 @@ std::string to_json(const ForceReport& report) {
   for (const auto& parameter : report.parameters)
     out["parameters"][parameter.name] = {{"covered", parameter.covered},
                                          {"largest_relative_error", parameter.largest_error}};
-  return out.dump(2) + "\n";
+  return written(1, out);
 }
 
 std::string to_text(const ForceReport& report) {
@@ -186,7 +180,7 @@ std::string to_text(const ForceReport& report) {
   for (const auto& parameter : report.parameters)
     out += fmt::format("{:<34}{:>12}{:>14.2f} %\n", parameter.name, parameter.covered,
                        parameter.largest_error * 100);
-  return out + fmt::format("\nresult: {}\n", to_text(report.result));
+  return out + conclusion(report.result, {});
 }
 
 }  // namespace rths::bench

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/bench/opensees_bench.hpp>
 
-#include <unistd.h>
-
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -15,6 +13,7 @@
 #include <rths/bench/load.hpp>
 #include <rths/bench/partner.hpp>
 #include <rths/bench/program.hpp>
+#include <rths/bench/temporary_folder.hpp>
 #include <rths/core/error.hpp>
 
 #include "ping_pong.hpp"
@@ -63,29 +62,23 @@ dofs = ["long", "lat"]
 class Run {
  public:
   Run(Transport transport, std::uint16_t port, const fs::path& programs) {
-    std::string name = (fs::temp_directory_path() / "rths_trip_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-      throw Error{"cannot create a temporary folder for the run"};
-    folder_ = name;
-    const fs::path motion = folder_ / "still.csv", file = folder_ / "trip.toml";
+    const fs::path motion = folder_.path() / "still.csv", file = folder_.path() / "trip.toml";
     std::ofstream{motion} << "t,a,b\n0,0,0\n0.01,0,0\n0.02,0,0\n";
     std::ofstream{file} << experiment(transport, port, motion);
-    output_ = std::async(std::launch::async, [=, this] {
+    output_ = std::async(std::launch::async, [=, folder = folder_.path()] {
       return output_of({(programs / "rths").string(), "run", file.string(), "--clock", "wall",
-                        "--out", (folder_ / "out").string(), "--ring", folder_.filename().string()},
+                        "--out", (folder / "out").string(), "--ring", folder.filename().string()},
                        kLongest);
     });
   }
   ~Run() {
     if (output_.valid()) output_.wait();
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
   }
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
  private:
-  fs::path folder_;
+  TemporaryFolder folder_{"trip"};
   std::future<std::string> output_;
 };
 
@@ -184,10 +177,9 @@ OpenSeesReport run_opensees_bench(const OpenSeesOptions& options) {
   report.steal = load.so_far().steal;
   if (auto trouble = steal_trouble(report.steal); !trouble.empty())
     report.troubles.push_back(std::move(trouble));
-  report.result = GateResult::Pass;
-  for (const auto& trip : report.trips)
-    if (trip.gate_result == GateResult::Fail)
-      report.result = report.troubles.empty() ? GateResult::Fail : GateResult::Inconclusive;
+  report.result = worst_of(report.trips);
+  if (report.result == GateResult::Fail && !report.troubles.empty())
+    report.result = GateResult::Inconclusive;
   return report;
 }
 

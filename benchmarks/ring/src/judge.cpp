@@ -127,24 +127,6 @@ std::string noise_problem(const std::vector<RowResult>& results) {
 
 }  // namespace
 
-const char* to_text(GateResult gate_result) noexcept {
-  switch (gate_result) {
-    case GateResult::Pass:
-      return "pass";
-    case GateResult::Fail:
-      return "fail";
-    case GateResult::Inconclusive:
-      return "inconclusive";
-    case GateResult::NotJudged:
-      return "not judged";
-    case GateResult::Missing:
-      return "missing";
-  }
-  return "unknown";
-}
-
-bool is_quiet(const Load& load) { return load.other <= kQuiet.other && load.steal <= kQuiet.steal; }
-
 bool holds(Quantity quantity, double value, double bound) {
   const bool at_least = quantity == Quantity::TimesCheaper || quantity == Quantity::TimesOurs;
   return at_least ? value >= bound : value <= bound;
@@ -205,11 +187,7 @@ std::vector<std::string> troubles(const Machine& machine, const std::vector<Cycl
 
 GateResult overall(const std::vector<RowResult>& results,
                    const std::vector<std::string>& troubles) {
-  if (!troubles.empty()) return GateResult::Inconclusive;
-  const bool failed = std::any_of(results.begin(), results.end(), [](const RowResult& result) {
-    return result.gate_result == GateResult::Fail;
-  });
-  return failed ? GateResult::Fail : GateResult::Pass;
+  return troubles.empty() ? worst_of(results) : GateResult::Inconclusive;
 }
 
 }  // namespace rths::bench

@@ -1,15 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <nlohmann/json.hpp>
-
+#include <rths/bench/report.hpp>
 #include <rths/bench/ring_bench.hpp>
 
 namespace rths::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// Incremented when existing readers would misread the document.
-constexpr int kFormat = 1;
 
 const char* name_of(Quantity quantity) {
   switch (quantity) {
@@ -29,18 +23,6 @@ const char* name_of(Quantity quantity) {
   return "unknown";
 }
 
-Json document(const Machine& machine) {
-  Json out = {{"cpu", machine.cpu},
-              {"processors", machine.processors},
-              {"kernel", machine.kernel},
-              {"hypervisor", machine.hypervisor},
-              {"huge_pages", machine.huge_pages},
-              {"used", Json::array()},
-              {"smt_siblings", machine.chosen && machine.chosen->siblings}};
-  if (machine.chosen) out["used"] = {machine.chosen->cpus.near, machine.chosen->cpus.far};
-  return out;
-}
-
 void add_gate(Json& out, const std::string& suffix, const std::optional<Gate>& gate) {
   out["goal" + suffix] = gate ? Json(gate->goal) : Json();
   out["gate" + suffix] = gate ? Json(gate->limit) : Json();
@@ -56,11 +38,11 @@ Json document(const RowResult& result) {
     out["p50_ns"] = result.times.p50;
     out["p99_ns"] = result.times.p99;
     out["ratio_p50"] = result.ratio_p50;
-    out["ratio_p50_95"] = {result.ratio_interval.low, result.ratio_interval.high};
+    out["ratio_p50_95"] = document(result.ratio_interval);
     out["ratio_p99"] = result.ratio_p99;
     out["quantity"] = name_of(result.row.quantity);
     out["value"] = result.value;
-    out["value_95"] = {result.value_interval.low, result.value_interval.high};
+    out["value_95"] = document(result.value_interval);
     out["cycles"] = result.cycles;
     out["noisy"] = result.noisy;
   }
@@ -72,11 +54,8 @@ Json document(const RowResult& result) {
 
 }  // namespace
 
-std::string to_json(const Machine& machine) { return document(machine).dump(); }
-
 std::string to_json(const RingReport& report) {
-  Json out = {{"format", kFormat},
-              {"result", to_text(report.result)},
+  Json out = {{"result", to_text(report.result)},
               {"troubles", report.troubles},
               {"cycles", report.cycles},
               {"round_trips", report.round_trips},
@@ -90,7 +69,7 @@ std::string to_json(const RingReport& report) {
               {"peers", Json::array()}};
   for (const RowResult& result : report.rows)
     out[result.row.is_peers() ? "peers" : "rows"].push_back(document(result));
-  return out.dump(2) + "\n";
+  return written(1, out);
 }
 
 }  // namespace rths::bench

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <rths/bench/report.hpp>
 #include <rths/bench/ring_bench.hpp>
-#include <rths/core/ascii.hpp>
 
 namespace rths::bench {
 namespace {
@@ -23,12 +23,11 @@ std::string line(const RowResult& result) {
   const auto bound = [&](double Gate::*bound_of) {
     return result.row.gate ? fmt::format("{:.2f}", (*result.row.gate).*bound_of) : std::string{"-"};
   };
-  return fmt::format(
-      "{}{:>10}{:>10}{:>10.2f}{:>18}{:>8.2f}{:>10.2f}{:>7}{:>7}  {}{}\n", start,
-      nanoseconds(result.times.p50), nanoseconds(result.times.p99), result.ratio_p50,
-      fmt::format("{:.2f} to {:.2f}", result.ratio_interval.low, result.ratio_interval.high),
-      result.ratio_p99, result.value, bound(&Gate::goal), bound(&Gate::limit),
-      to_text(result.gate_result), result.noisy ? " (noisy)" : "");
+  return fmt::format("{}{:>10}{:>10}{:>10.2f}{:>18}{:>8.2f}{:>10.2f}{:>7}{:>7}  {}{}\n", start,
+                     nanoseconds(result.times.p50), nanoseconds(result.times.p99), result.ratio_p50,
+                     to_text(result.ratio_interval), result.ratio_p99, result.value,
+                     bound(&Gate::goal), bound(&Gate::limit), to_text(result.gate_result),
+                     result.noisy ? " (noisy)" : "");
 }
 
 std::string table(const RingReport& report, bool peers) {
@@ -36,26 +35,10 @@ std::string table(const RingReport& report, bool peers) {
   for (const RowResult& result : report.rows)
     if (result.row.is_peers() == peers) out += line(result);
   if (out.empty()) return "";
-  return header(peers ? "× ours" : "value") + out + "\n";
-}
-
-std::string upper(std::string text) {
-  for (char& c : text) c = rths::upper(c);
-  return text;
+  return (peers ? "\n" : "") + header(peers ? "× ours" : "value") + out;
 }
 
 }  // namespace
-
-std::string to_text(const Machine& machine) {
-  const std::string used =
-      machine.chosen
-          ? fmt::format("{} and {}{}", machine.chosen->cpus.near, machine.chosen->cpus.far,
-                        machine.chosen->siblings ? ", siblings of one core" : "")
-          : "none";
-  return fmt::format("{}, {} processors, used: {}; kernel {}{}\nhuge pages: {}\n", machine.cpu,
-                     machine.processors, used, machine.kernel,
-                     machine.hypervisor ? ", a guest" : "", machine.huge_pages);
-}
 
 std::string to_text(const RingReport& report) {
   std::string out = to_text(report.machine);
@@ -65,9 +48,7 @@ std::string to_text(const RingReport& report) {
       report.cycles, report.round_trips, report.raw.median, report.raw.low, report.raw.high,
       report.seed);
   out += table(report, false) + table(report, true);
-  out += fmt::format("{}\n", upper(to_text(report.result)));
-  for (const std::string& trouble : report.troubles) out += fmt::format("  {}\n", trouble);
-  return out;
+  return out + conclusion(report.result, report.troubles);
 }
 
 }  // namespace rths::bench

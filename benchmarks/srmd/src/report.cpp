@@ -4,17 +4,13 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include <rths/bench/report.hpp>
 #include <rths/bench/srmd_bench.hpp>
 
 namespace rths::bench {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// Incremented when existing readers would misread the document.
-constexpr int kFormat = 1;
 constexpr double kMs = 1e3;
 constexpr double kPercent = 100;
 
@@ -116,8 +112,7 @@ std::string line(const SrmdAxis& axis) {
 }  // namespace
 
 std::string to_json(const SrmdReport& report) {
-  Json out = {{"format", kFormat},
-              {"machine", Json::parse(to_json(report.host))},
+  Json out = {{"machine", document(report.host)},
               {"draws", report.options.draws},
               {"records", report.options.records},
               {"duration_s", report.options.duration},
@@ -140,7 +135,7 @@ std::string to_json(const SrmdReport& report) {
     entry = {{"tests", family.tests}, {"unstable", family.unstable}};
     for (const auto& [figure, spread] : family.spreads) entry[figure] = spread.document();
   }
-  return out.dump(2) + "\n";
+  return written(1, out);
 }
 
 std::string to_text(const SrmdReport& report) {

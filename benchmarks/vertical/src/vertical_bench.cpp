@@ -8,9 +8,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
-#include <rths/bench/statistics.hpp>
+#include <rths/bench/report.hpp>
 #include <rths/controller/delay.hpp>
 #include <rths/controller/vertical_force.hpp>
 #include <rths/core/error.hpp>
@@ -20,11 +19,6 @@
 
 namespace rths::bench {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-// Incremented when existing readers would misread the document.
-constexpr int kFormat = 1;
 
 constexpr double kTick = 1e-3;
 constexpr double kSlow = 10;      // rate of the slow test
@@ -227,8 +221,7 @@ VerticalReport run_vertical_bench(const VerticalOptions& options) {
 }
 
 std::string to_json(const VerticalReport& report) {
-  Json out = {{"format", kFormat},
-              {"result", to_text(report.result)},
+  Json out = {{"result", to_text(report.result)},
               {"draws", report.draws},
               {"duration_s", report.duration},
               {"goals",
@@ -237,7 +230,7 @@ std::string to_json(const VerticalReport& report) {
                 {"coherence", kVerticalCoherenceGoal}}},
               {"rows", Json::object()}};
   for (const auto& row : report.rows) out["rows"][row.name] = document(row);
-  return out.dump(2) + "\n";
+  return written(1, out);
 }
 
 std::string to_text(const VerticalReport& report) {
@@ -251,7 +244,7 @@ std::string to_text(const VerticalReport& report) {
         middle(row, &ForceTracking::delay) * 1e3, worst(row, &ForceTracking::delay) * 1e3,
         middle(row, &ForceTracking::rms) * 100, worst(row, &ForceTracking::rms) * 100,
         middle(row, &ForceTracking::coherence), worst(row, &ForceTracking::coherence, true));
-  return out + fmt::format("median and worst of the draws\n\nresult: {}\n", to_text(report.result));
+  return out + "median and worst of the draws\n" + conclusion(report.result, {});
 }
 
 }  // namespace rths::bench

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include <rths/bench/judge.hpp>
 #include <rths/bench/machine.hpp>
 #include <rths/bench/opensees.hpp>
+#include <rths/bench/result.hpp>
 #include <rths/bench/step_times.hpp>
 
 namespace rths::bench {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <rths/bench/judge.hpp>
 #include <rths/bench/machine.hpp>
+#include <rths/bench/result.hpp>
 #include <rths/bench/statistics.hpp>
 
 namespace rths::bench {

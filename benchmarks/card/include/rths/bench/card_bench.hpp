@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <rths/bench/judge.hpp>
 #include <rths/bench/machine.hpp>
+#include <rths/bench/result.hpp>
 
 namespace rths::bench {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <rths/bench/judge.hpp>
+#include <rths/bench/result.hpp>
 #include <rths/controller/table_force.hpp>
 
 namespace rths::bench {

@@ -8,6 +8,7 @@
 
 #include <rths/bench/load.hpp>
 #include <rths/bench/machine.hpp>
+#include <rths/bench/result.hpp>
 #include <rths/bench/rows.hpp>
 #include <rths/bench/statistics.hpp>
 
@@ -24,10 +25,6 @@ struct Cycle {
   std::map<std::string, Outcome> outcomes;  ///< by name of row
   Load load;                                ///< by other processes during the cycle
 };
-
-enum class GateResult { Pass, Fail, Inconclusive, NotJudged, Missing };
-
-[[nodiscard]] const char* to_text(GateResult gate_result) noexcept;
 
 /// Result of a row over all cycles.
 struct RowResult {
@@ -51,7 +48,6 @@ inline constexpr double kLongestPlainStore = 0.6;
 /// Least number of quiet cycles for a gate result.
 inline constexpr std::size_t kFewestCycles = 3;
 
-[[nodiscard]] bool is_quiet(const Load& load);
 /// True if a value satisfies the bound of a quantity.
 [[nodiscard]] bool holds(Quantity quantity, double value, double bound);
 

@@ -27,6 +27,7 @@ struct Load {
 
 /// A cycle is quiet up to this load of the two processors by others [-].
 inline constexpr Load kQuiet{0.10, 0.02};
+[[nodiscard]] bool is_quiet(const Load& load);
 
 /// Load between two readings. @param own  processor time of our processes in between [s]
 [[nodiscard]] Load load_between(const CpuTimes& before, const CpuTimes& after, double own);

@@ -51,8 +51,4 @@ struct Machine {
 /// Describes this machine and chooses two of the usable processors.   @setup
 [[nodiscard]] Machine describe_machine();
 
-/// The machine as one JSON object, or as two lines of text.
-[[nodiscard]] std::string to_json(const Machine& machine);
-[[nodiscard]] std::string to_text(const Machine& machine);
-
 }  // namespace rths::bench

@@ -67,6 +67,8 @@ Load load_between(const CpuTimes& before, const CpuTimes& after, double own) {
   return {std::max(0.0, busy - own) / all, steal / all};
 }
 
+bool is_quiet(const Load& load) { return load.other <= kQuiet.other && load.steal <= kQuiet.steal; }
+
 std::string steal_trouble(double steal) {
   if (steal <= kQuiet.steal) return "";
   return fmt::format("the host used {:.1f} % of the processors' time, expected at most {:g} %",
