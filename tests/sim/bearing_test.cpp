@@ -84,16 +84,9 @@ TEST(Bearing, HasNoStiffnessIfNoTermHas) {
 // Readers copy the page's example first.
 TEST(Bearing, OfThePageLoads) {
   const std::string page = test::content_of(test::source_tree() / "docs/bearings.md");
-  const auto begin = page.find("    title = ");
+  const auto begin = page.find("title = ");
   ASSERT_NE(begin, std::string::npos);
-  // The code consists of indented or empty lines and ends before the first other line.
-  std::string code;
-  for (std::size_t at = begin, end = 0; at < page.size(); at = end + 1) {
-    end = page.find('\n', at);
-    const std::string line = page.substr(at, end - at);
-    if (!line.empty() && line[0] != ' ') break;
-    code += line + "\n";
-  }
+  const std::string code = page.substr(begin, page.find("```", begin) - begin);
 
   const Bearing bearing = parsed_bearing(code);
 
