@@ -313,7 +313,7 @@ def main():
     parser.add_argument("--prefix", type=lambda name: pathlib.Path(name).resolve(), help="an installed package")
     parser.add_argument("--folder", type=lambda name: pathlib.Path(name).resolve(), help="of the blocks of one page, is kept")
     parser.add_argument("pages", nargs="*")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     here = needs(options.build, options.prefix)
     counts, troubles, tried = collections.Counter(), [], 0
     for page in pages(options.pages):
