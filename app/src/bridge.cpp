@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <sys/utsname.h>
 #include <fcntl.h>
 #include <sys/mman.h>
+#include <sys/utsname.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -140,11 +140,10 @@ std::string this_host() {
 
 void add_bridge(CommandLine& line) {
   auto& a = line.values<BridgeArguments>();
-  auto* command =
-      line.app.add_subcommand("bridge", "Connect a ring with those of the same name on other hosts");
+  auto* command = line.app.add_subcommand(
+      "bridge", "Connect a ring with those of the same name on other hosts");
   command->add_option("ring", a.ring, "Name of a ring of this host")->required();
-  command->add_option("--map", a.map,
-                      "Create the ring with this map; it is removed at the end");
+  command->add_option("--map", a.map, "Create the ring with this map; it is removed at the end");
   command->add_option("--domain", a.domain, "DDS domain")
       ->check(CLI::Range(0, 230))
       ->capture_default_str();

@@ -41,9 +41,9 @@ namespace rths::app {
 namespace {
 
 struct CheckArguments {
-  std::string file;        ///< or "server"
-  ServerArguments server;  ///< its address; empty: a file
-  std::string config;      ///< file with the `config` of a plugin; empty: none
+  std::string file;               ///< or "server"
+  ServerArguments server;         ///< its address; empty: a file
+  std::string config;             ///< file with the `config` of a plugin; empty: none
   std::vector<std::string> sets;  ///< key=value
   Changes changes;                ///< of an experiment
 };
@@ -259,11 +259,12 @@ int check(const CheckArguments& arguments) {
 
 void add_check(CommandLine& line) {
   auto& a = line.values<CheckArguments>();
-  auto* command = line.app.add_subcommand("check",
-                                     "Check a map, diagram, constants, bearing, machine, safety "
-                                     "limits, experiment, scenario of cards, case, improved "
-                                     "model, motion, recording, plugin or FMU; its content "
-                                     "decides which");
+  auto* command =
+      line.app.add_subcommand("check",
+                              "Check a map, diagram, constants, bearing, machine, safety "
+                              "limits, experiment, scenario of cards, case, improved "
+                              "model, motion, recording, plugin or FMU; its content "
+                              "decides which");
   command->add_option("file", a.file, "File, or the word server")->required();
   command->add_option("address", a.server.address,
                       "HOST:PORT of a server for OpenSees' genericClient, after the word server");

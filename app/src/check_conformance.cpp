@@ -69,8 +69,7 @@ int check_server(const std::string& word, const ServerArguments& arguments) {
   const char* end = address.data() + address.size();
   if (word != "server" || colon == std::string::npos ||
       !read_port(address.data() + colon + 1, end, check.port))
-    throw Error{
-        fmt::format("found {} {}, expected FILE or server HOST:PORT", word, address)};
+    throw Error{fmt::format("found {} {}, expected FILE or server HOST:PORT", word, address)};
   check.address = address.substr(0, colon);
   check.is_udp = arguments.udp;
   check.dofs = arguments.dofs;

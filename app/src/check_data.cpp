@@ -16,7 +16,6 @@
 #include <rths/recording/table.hpp>
 #include <rths/sim/motion_file.hpp>
 
-
 namespace rths::app {
 namespace {
 

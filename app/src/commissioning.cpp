@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Commands before a test: delay, identify, calibrate, pretest.
-#include <limits>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <utility>
 

@@ -52,20 +52,16 @@ void add_diagnose(CommandLine& line) {
       ->add_option("case", a.settings.source,
                    "Folder with a case.toml, a case file, or folder or recording of a run")
       ->required();
-  command->add_option("--out", a.settings.out,
-                      "Folder for the results [out/diagnosis/<name>]");
+  command->add_option("--out", a.settings.out, "Folder for the results [out/diagnosis/<name>]");
   command->add_option("--against", a.settings.against,
                       "Prediction of another simulation, instead of the model's");
-  command
-      ->add_option("--without", a.settings.without,
-                   "Terms to exclude, separated by commas")
+  command->add_option("--without", a.settings.without, "Terms to exclude, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false);
   command->add_option("--seed", a.settings.seed, "Seed of noise and resampling")
       ->check(CLI::Range(std::int64_t{0}, kLargestSeed))
       ->capture_default_str();
-  command->add_flag("--plan", a.plans,
-                    "Print what this case can tell, without a diagnosis");
+  command->add_flag("--plan", a.plans, "Print what this case can tell, without a diagnosis");
   command->add_flag("--progress", a.progress,
                     "Show the progress every 30 s where standard error is not a terminal");
   command->add_flag("--json", a.json, "One JSON document instead of lines");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <limits>
 #include <filesystem>
+#include <limits>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

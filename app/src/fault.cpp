@@ -39,7 +39,8 @@ int fault(const FaultArguments& arguments) {
 
 void add_fault(CommandLine& line) {
   auto& a = line.values<FaultArguments>();
-  auto* command = line.app.add_subcommand("fault", "Cause a fault of the cards of a replicated ring");
+  auto* command =
+      line.app.add_subcommand("fault", "Cause a fault of the cards of a replicated ring");
   command->add_option("ring", a.ring, "Name of a ring")->required();
   command
       ->add_option("keys", a.keys,

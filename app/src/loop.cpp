@@ -124,9 +124,9 @@ int loop(const LoopArguments& arguments) {
 
 void add_loop(CommandLine& line) {
   auto& a = line.values<LoopArguments>();
-  auto* command = line.app.add_subcommand("loop", "Drive a bearing through loops; print and draw them");
-  command->add_option("bearing", a.bearing, "Built-in name (lprb, eqsb, tpfb) or file")
-      ->required();
+  auto* command =
+      line.app.add_subcommand("loop", "Drive a bearing through loops; print and draw them");
+  command->add_option("bearing", a.bearing, "Built-in name (lprb, eqsb, tpfb) or file")->required();
   command->add_option("--amplitude-m", a.amplitude)
       ->check(CLI::Range(1e-6, 10.0))
       ->capture_default_str();
@@ -138,8 +138,7 @@ void add_loop(CommandLine& line) {
                    "Cycles at full amplitude, after one with growing amplitude")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command
-      ->add_option("--axial-load-N", a.axial_load, "[weight per bearing of the example plant]")
+  command->add_option("--axial-load-N", a.axial_load, "[weight per bearing of the example plant]")
       ->check(CLI::Range(0.0, 1e9));
   command->add_option("--svg", a.svg, "Draw both loops into this SVG file");
   command->add_option("--csv", a.csv, "Write the loop along one axis to this CSV file");

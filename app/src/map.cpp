@@ -5,9 +5,9 @@
 #include <rths/core/installed_files.hpp>
 #include <rths/memmap/generate.hpp>
 
+#include "checks.hpp"
 #include "command.hpp"
 #include "commands.hpp"
-#include "checks.hpp"
 
 namespace rths::app {
 namespace {

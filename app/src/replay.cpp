@@ -195,9 +195,7 @@ void add_replay(CommandLine& line) {
   auto& a = line.values<ReplayArguments>();
   auto* command = line.app.add_subcommand(
       "replay", "Run a plugin or FMU on the inputs of a recording and compare its outputs");
-  command->add_option("library", a.library, "Plugin or FMU")
-      ->required()
-      ->check(CLI::ExistingPath);
+  command->add_option("library", a.library, "Plugin or FMU")->required()->check(CLI::ExistingPath);
   command->add_option("recording", a.recording, "Recording, or folder of a run")->required();
   command
       ->add_option("--config", a.config,

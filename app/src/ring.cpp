@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <optional>
 #include <algorithm>
 #include <filesystem>
+#include <optional>
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -115,16 +115,13 @@ int ring_show(const RingArguments& arguments) {
 
 void add_ring(CommandLine& line) {
   auto& a = line.values<RingArguments>();
-  auto* command =
-      line.app.add_subcommand("ring", "Simulate a ring of cards in virtual time, message by message");
+  auto* command = line.app.add_subcommand(
+      "ring", "Simulate a ring of cards in virtual time, message by message");
   command->require_subcommand(1);
   auto* trace = command->add_subcommand(
       "trace", "Write every hop of a scenario as trace events for Perfetto or chrome://tracing");
-  trace->add_option("scenario", a.source, "Scenario file")
-      ->required()
-      ->check(CLI::ExistingFile);
-  trace->add_option("--out", a.out,
-                    "File for the trace [name of the scenario, in this folder]");
+  trace->add_option("scenario", a.source, "Scenario file")->required()->check(CLI::ExistingFile);
+  trace->add_option("--out", a.out, "File for the trace [name of the scenario, in this folder]");
   trace->callback([&] { line.chosen = [&a] { return ring_trace(a); }; });
   auto* show = command->add_subcommand(
       "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring");

@@ -150,8 +150,7 @@ void add_doctor(CommandLine& line) {
           ->add_option("--domain", a.domain,
                        "Examine the network: interfaces, gateways of this DDS domain, their clocks")
           ->check(CLI::Range(0, 230));
-  command->add_option("--interface", a.interface, "As for the gateway of this host")
-      ->needs(domain);
+  command->add_option("--interface", a.interface, "As for the gateway of this host")->needs(domain);
   command->add_option("--peer", a.peers, "As for the gateway of this host")
       ->take_all()
       ->allow_extra_args(false)
@@ -161,8 +160,8 @@ void add_doctor(CommandLine& line) {
 
 void add_clean(CommandLine& line) {
   auto& a = line.values<std::vector<std::string>>();
-  auto* command =
-      line.app.add_subcommand("clean", "Remove rings that no running process uses, but keep idle cards");
+  auto* command = line.app.add_subcommand(
+      "clean", "Remove rings that no running process uses, but keep idle cards");
   command->add_option("ring", a, "Names of rings to remove, also with idle cards");
   command->callback([&] { line.chosen = [&a] { return clean(a); }; });
 }

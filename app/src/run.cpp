@@ -128,7 +128,8 @@ int report(const std::string& folder, const std::string& beside) {
 
 void add_run(CommandLine& line) {
   auto& a = line.values<RunArguments>();
-  auto* command = line.app.add_subcommand("run", "Run an experiment and write its recording and report");
+  auto* command =
+      line.app.add_subcommand("run", "Run an experiment and write its recording and report");
   command->add_option("experiment", a.settings.experiment, "Experiment file")->required();
   command
       ->add_option("--clock", a.clock,
@@ -138,8 +139,7 @@ void add_run(CommandLine& line) {
   auto* out = command->add_option("--out", a.settings.out,
                                   "Folder for the results [a new one: out/<name>/<UTC time>]");
   command
-      ->add_flag("--force", a.settings.replaces,
-                 "Replace the results of an earlier run in --out")
+      ->add_flag("--force", a.settings.replaces, "Replace the results of an earlier run in --out")
       ->needs(out);
   command->add_option("--ring", a.settings.ring, "Name of the ring [the experiment's]");
   auto* host = command->add_option("--host", a.settings.host,

@@ -129,8 +129,7 @@ void add_send(CommandLine& line) {
   auto& a = line.values<SendArguments>();
   auto* command = line.app.add_subcommand("send", "Write words of a ring by name");
   command->add_option("ring", a.ring, "Name of a ring")->required();
-  command
-      ->add_option("assignments", a.assignments, "name=value, optionally with a unit: 12.5mm")
+  command->add_option("assignments", a.assignments, "name=value, optionally with a unit: 12.5mm")
       ->required();
   command->callback([&] { line.chosen = [&a] { return send(a); }; });
 }

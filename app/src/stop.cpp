@@ -10,7 +10,6 @@
 namespace rths::app {
 namespace {
 
-
 int stop(const std::string& ring) {
   fmt::print("process {} ends the run on ring '{}'\n", launch::request_stop(ring), ring);
   return kOk;

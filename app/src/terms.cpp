@@ -149,8 +149,7 @@ void add_terms(CommandLine& line) {
   auto* command = line.app.add_subcommand(
       "terms", "List the terms of bearings, machines and sensors, with equations");
   command->add_option("names", a.names, "Terms to list [all]");
-  command->add_option("--format", a.format)
-      ->check(CLI::IsMember({"text", "markdown", "json"}));
+  command->add_option("--format", a.format)->check(CLI::IsMember({"text", "markdown", "json"}));
   command->add_option("--draw", a.draw,
                       "Draw the effect of each term into this folder, print nothing");
   command->callback([&] { line.chosen = [&a] { return terms(a); }; });
