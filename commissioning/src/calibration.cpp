@@ -5,18 +5,20 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <span>
 
 #include <Eigen/Core>
-#include <unsupported/Eigen/FFT>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/commissioning/recorded.hpp>
-#include <rths/controller/robust_covariance.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/fourier.hpp>
+#include <rths/maths/robust_covariance.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::commissioning {
@@ -39,19 +41,11 @@ struct Spectra {
 
 Eigen::VectorXcd windowed_spectrum(const std::vector<double>& values, std::size_t begin,
                                    Eigen::Index length) {
-  Eigen::VectorXd part(length);
-  double mean = 0;
-  for (Eigen::Index i = 0; i < length; ++i) mean += values[begin + static_cast<std::size_t>(i)];
-  mean /= static_cast<double>(length);
-  for (Eigen::Index i = 0; i < length; ++i)
-    part[i] =
-        (values[begin + static_cast<std::size_t>(i)] - mean) *
-        (1 - std::cos(2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(length)));
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  Eigen::VectorXcd spectrum;
-  fft.fwd(spectrum, part);
-  return spectrum;
+  const std::span part{values.data() + begin, static_cast<std::size_t>(length)};
+  Eigen::VectorXd windowed = Eigen::Map<const Eigen::VectorXd>{part.data(), length};
+  windowed.array() -= maths::mean(part);
+  windowed.array() *= maths::hann_window(length, 0).array();
+  return maths::half_spectrum(windowed);
 }
 
 // The displacement is moved by the delay first, so that both segments hold the same motion; the
@@ -136,25 +130,23 @@ AxisCalibration calibrate_axis(const std::vector<AxisCharacter>& records,
   if (records.empty()) throw Error{"calibration: no record, expected at least one"};
   AxisCalibration axis;
   for (const auto& record : records) {
-    double squares = 0;
-    for (const double value : record.reference) squares += value * value;
-    if (!(squares >= kLeastMotion * kLeastMotion * static_cast<double>(record.reference.size())))
+    if (!(maths::rms(record.reference) >= kLeastMotion))
       throw Error{fmt::format("calibration: the reference moves less than {} m RMS", kLeastMotion)};
     const auto fit =
-        controller::fit_delay(record.reference, record.displacement, record.interval, kSearch);
+        maths::fit_delay(record.reference, record.displacement, record.interval, kSearch);
     if (&record == &records.front() || fit.delay_95 < axis.delay.delay_95) axis.delay = fit;
   }
   const auto rows = lead_rows(spectra_of(records, axis.delay.delay), settings);
   const Eigen::VectorXd size = rows.jacobian.colwise().norm();
   const Eigen::VectorXd lead =
-      algebra::solve_least_squares(rows.jacobian * size.cwiseInverse().asDiagonal(), rows.wanted)
+      maths::solve_least_squares(rows.jacobian * size.cwiseInverse().asDiagonal(), rows.wanted)
           .cwiseQuotient(size);
   const Eigen::VectorXd residual = rows.wanted - rows.jacobian * lead;
   // Neighbouring frequencies share the window: four rows are correlated.
-  const Eigen::MatrixXd covariance = controller::robust_covariance(rows.jacobian, residual, 4);
+  const Eigen::MatrixXd covariance = maths::robust_covariance(rows.jacobian, residual, 4);
   for (Eigen::Index i = 0; i < 3; ++i)
-    axis.lead[static_cast<std::size_t>(i)] = {
-        lead[i], controller::kHalfWidth95 * std::sqrt(covariance(i, i))};
+    axis.lead[static_cast<std::size_t>(i)] = {lead[i],
+                                              maths::kHalfWidth95 * std::sqrt(covariance(i, i))};
   axis.remaining = residual.norm() / rows.wanted.norm();
   return axis;
 }

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <rths/commissioning/recorded.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::commissioning {
 namespace {
@@ -19,25 +21,14 @@ using Signal = std::span<const double>;
 
 constexpr double kLeastWindowShare = 0.05;  // of the largest target: quieter windows are left out
 
-double rms_about_mean(Signal values) {
-  double sum = 0, squares = 0;
-  for (const double value : values) {
-    sum += value;
-    squares += value * value;
-  }
-  const auto count = static_cast<double>(values.size());
-  return std::sqrt(std::max(0.0, squares / count - sum / count * sum / count));
-}
-
 WindowTracking track_window(Signal target, Signal measured, double begin, double interval,
                             double search) {
   WindowTracking window;
   window.begin = begin;
-  window.fit = controller::fit_delay(target, measured, interval, search);
-  window.nearest =
-      controller::fit_delay(target, measured, interval, search, controller::Gain::Fixed);
-  window.index = controller::frequency_index(target, measured, interval, window.fit.delay);
-  window.error = controller::tracking_error(target, measured);
+  window.fit = maths::fit_delay(target, measured, interval, search);
+  window.nearest = maths::fit_delay(target, measured, interval, search, maths::Gain::Fixed);
+  window.index = maths::frequency_index(target, measured, interval, window.fit.delay);
+  window.error = maths::tracking_error(target, measured);
   return window;
 }
 
@@ -67,7 +58,7 @@ PairTracking track_pair(const recording::Reader& run, const Pair& names,
   if (run.unit(names.target) != run.unit(names.measured))
     throw Error{fmt::format("'{}' is in {} and '{}' in {}, expected one unit", names.target,
                             run.unit(names.target), names.measured, run.unit(names.measured))};
-  const double motion = rms_about_mean(target);
+  const double motion = maths::deviation(target);
   if (!(motion >= question.least_rms))
     throw Error{
         fmt::format("'{}' moves too little for a delay: {:.3g} {} RMS, expected at least {:g}",
@@ -82,13 +73,13 @@ PairTracking track_pair(const recording::Reader& run, const Pair& names,
   const auto length = static_cast<std::size_t>(std::llround(question.window / data.interval));
   // A delay beyond a quarter of a window cannot be found in it.
   const double search = std::min(question.search, 0.2 * question.window);
-  for (const auto& window : controller::moving_windows(
+  for (const auto& window : maths::moving_windows(
            target, length, std::max(question.least_rms, kLeastWindowShare * largest)))
     pair.windows.push_back(track_window(
         target.subspan(window.begin, window.length), measured.subspan(window.begin, window.length),
         data.begin + static_cast<double>(window.begin) * data.interval, data.interval, search));
   pair.bands =
-      report::track_bands(data.values[0], data.values[1], data.interval, pair.whole.fit.delay);
+      maths::track_bands(data.values[0], data.values[1], data.interval, pair.whole.fit.delay);
   return pair;
 }
 
@@ -111,7 +102,7 @@ Json json_of(const WindowTracking& window) {
   return json;
 }
 
-Json json_of(const report::BandTracking& band) {
+Json json_of(const maths::BandTracking& band) {
   Json json{{"from_Hz", band.from}, {"to_Hz", band.to}, {"nrms_percent", 1e2 * band.nrms}};
   json["gain"] = band.response ? Json(band.response->gain) : Json();
   json["delay_ms"] = band.response ? Json(1e3 * band.response->delay) : Json();
@@ -136,9 +127,7 @@ double PairTracking::median_delay() const {
   std::vector<double> delays;
   for (const auto& window : windows) delays.push_back(window.fit.delay);
   if (delays.empty()) return whole.fit.delay;
-  const auto middle = delays.begin() + static_cast<long>(delays.size() / 2);
-  std::nth_element(delays.begin(), middle, delays.end());
-  return *middle;
+  return maths::median(std::move(delays));
 }
 
 double PairTracking::largest_delay() const {

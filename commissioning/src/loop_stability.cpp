@@ -6,8 +6,8 @@
 #include <numbers>
 #include <utility>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
 #include <rths/sim/loop_test.hpp>
 
 namespace rths::commissioning {
@@ -35,7 +35,7 @@ std::vector<Complex> flexibility_of(const sim::PlantMatrices& plant, int axis,
   for (const double w : omega) {
     const Eigen::MatrixXd real = K - w * w * M, imaginary = w * C;
     matrix << real, -imaginary, imaginary, real;
-    const Eigen::VectorXd x = algebra::solve_least_squares(matrix, load);
+    const Eigen::VectorXd x = maths::solve_least_squares(matrix, load);
     flexibility.emplace_back(x[0], x[n]);
   }
   return flexibility;

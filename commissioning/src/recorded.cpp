@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::commissioning {
 namespace {
@@ -28,14 +29,6 @@ constexpr NamedRole kRoles[] = {{"target", &AxisRoles::target},
                                 {"machine_force", &AxisRoles::machine_force},
                                 {"returned_displacement", &AxisRoles::returned_displacement},
                                 {"returned_force", &AxisRoles::returned_force}};
-
-double median_interval(const std::vector<double>& time) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  const auto middle = steps.begin() + static_cast<long>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
 
 std::vector<double> at_equal_intervals(const std::vector<double>& time,
                                        const std::vector<double>& values, double interval,
@@ -68,7 +61,7 @@ Recorded recorded(const recording::Reader& run, const std::vector<std::string>& 
   if (time.size() < 2)
     throw Error{fmt::format("the recording has {} rows, expected at least two", time.size())};
   Recorded result;
-  result.interval = median_interval(time);
+  result.interval = maths::median(maths::steps_of(time));
   result.begin = time.front();
   if (!(result.interval > 0)) throw Error{"the times of the recording do not rise"};
   const auto count =

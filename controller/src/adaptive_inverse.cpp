@@ -56,7 +56,7 @@ AdaptiveInverse::AdaptiveInverse(const AdaptiveInverseSettings& settings)
       uncertainty_{InverseLead::vector_of(settings.uncertainty)},
       normal_{Eigen::Matrix<double, kTerms, kTerms>::Zero()},
       lead_{settings},
-      filters_(kTerms + 1, LowPass{kLearningFilterOrder, settings.cutoff, settings.period}),
+      filters_(kTerms + 1, maths::LowPass{kLearningFilterOrder, settings.cutoff, settings.period}),
       error_filter_{kLearningFilterOrder, settings.cutoff, settings.period} {
   machine_.fill(Channels::Zero());
 }

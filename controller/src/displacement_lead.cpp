@@ -4,7 +4,10 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/low_pass.hpp>
+#include <rths/maths/robust_covariance.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "table_signals.hpp"
 
@@ -22,13 +25,14 @@ enum Column { kSecond, kThird, kConstant, kColumns };
 std::vector<double> filtered(std::span<const double> signal, double period) {
   std::vector<double> result{signal.begin(), signal.end()};
   for (double& value : result) value -= signal.front();  // the low-pass starts at rest
-  LowPass{kLeadFilterOrder, kLeadCutoff, period}.filter(result);
+  maths::LowPass{kLeadFilterOrder, kLeadCutoff, period}.filter(result);
   return result;
 }
 
 }  // namespace
 
-Estimate accelerometer_behind_displacement(std::span<const TableRecording> runs, double period) {
+maths::Estimate accelerometer_behind_displacement(std::span<const TableRecording> runs,
+                                                  double period) {
   const auto stride = static_cast<std::size_t>(
       std::max(1L, std::lround(1 / (kRowsPerLeadCutoff * kLeadCutoff * period))));
   std::vector<Eigen::Vector4d> rows;
@@ -47,11 +51,11 @@ Estimate accelerometer_behind_displacement(std::span<const TableRecording> runs,
     y[i] = rows[static_cast<std::size_t>(i)][kColumns];
   }
   if (!(X.col(kSecond).norm() > 0)) return {};
-  const Eigen::VectorXd c = algebra::solve_least_squares(X, y);
-  const Eigen::MatrixXd covariance = robust_covariance(X, y - X * c, kMostLeadLags);
+  const Eigen::VectorXd c = maths::solve_least_squares(X, y);
+  const Eigen::MatrixXd covariance = maths::robust_covariance(X, y - X * c, kMostLeadLags);
   // With k, the ratio of the calibrations: a(t) = k ẍ(t − τ), to first order k ẍ − k τ x⃛.
   const double deviation = std::sqrt(std::max(0.0, covariance(kThird, kThird)));
-  return {-c[kThird] / c[kSecond], kHalfWidth95 * deviation / std::abs(c[kSecond])};
+  return {-c[kThird] / c[kSecond], maths::kHalfWidth95 * deviation / std::abs(c[kSecond])};
 }
 
 }  // namespace rths::controller

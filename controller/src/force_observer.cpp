@@ -10,16 +10,16 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::controller {
 namespace {
 
 constexpr double kKilonewtonPerG = 1e3 / kStandardGravity;  // [kg]
 constexpr double kKilonewtonSecondPerCentimetre = 1e5;      // [N·s/m]
-constexpr double kNormal95 = 1.959964;  // two-sided 95 % of a normal distribution
 
 constexpr double kSlowFraction =
     0.03;  // of a run's largest speed: below, the sign of a noisy velocity is uncertain
@@ -46,7 +46,7 @@ std::optional<Solution> solve_subset(const Features& X, const Eigen::VectorXd& y
   Eigen::MatrixXd subset(X.rows(), static_cast<Eigen::Index>(columns.size()));
   for (std::size_t i = 0; i < columns.size(); ++i)
     subset.col(static_cast<Eigen::Index>(i)) = X.col(columns[i]);
-  const Eigen::VectorXd found = algebra::solve_least_squares(subset, y);
+  const Eigen::VectorXd found = maths::solve_least_squares(subset, y);
   Solution solution = Solution::Zero();
   for (std::size_t i = 0; i < columns.size(); ++i)
     solution[columns[i]] = found[static_cast<Eigen::Index>(i)];
@@ -147,7 +147,7 @@ ForceIdentification identify_machine_force(std::span<const double> displacement,
   const Eigen::VectorXd residual = y - X * solution;
   const double variance = residual.squaredNorm() / static_cast<double>(rows - kTerms);
   const Eigen::Vector4d half_width =
-      kNormal95 * (variance * normal.inverse()).diagonal().cwiseSqrt();
+      maths::kHalfWidth95 * (variance * normal.inverse()).diagonal().cwiseSqrt();
 
   result.machine.effective_mass = solution[kMass];
   result.machine.coulomb_friction = solution[kCoulomb];

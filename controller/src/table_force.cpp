@@ -8,6 +8,7 @@
 
 #include <rths/core/error.hpp>
 #include <rths/core/require.hpp>
+#include <rths/maths/low_pass.hpp>
 
 #include "table_signals.hpp"
 
@@ -100,7 +101,7 @@ TableSignals::TableSignals(double accelerometer_delay, double presliding,
       presliding_{presliding},
       period_{settings.period} {
   if (filter_order > 0)
-    filters_.assign(kTableTerms, LowPass{filter_order, settings.cutoff, settings.period});
+    filters_.assign(kTableTerms, maths::LowPass{filter_order, settings.cutoff, settings.period});
 }
 
 TableSignals::Terms TableSignals::step(const TableSample& sample) noexcept {

@@ -6,10 +6,11 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
-#include <rths/controller/robust_covariance.hpp>
 #include <rths/controller/table_force.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/robust_covariance.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "table_signals.hpp"
 
@@ -164,7 +165,7 @@ class Identification {
         throw Error{"force identification: the runs do not excite inertia and friction"};
       kept.col(i) = X.col(columns[static_cast<std::size_t>(i)]) / scale[i];
     }
-    const Eigen::VectorXd found = algebra::solve_least_squares(kept, y).cwiseQuotient(scale);
+    const Eigen::VectorXd found = maths::solve_least_squares(kept, y).cwiseQuotient(scale);
     Eigen::VectorXd all = Eigen::VectorXd::Zero(X.cols());
     for (Eigen::Index i = 0; i < kept.cols(); ++i)
       all[columns[static_cast<std::size_t>(i)]] = found[i];
@@ -265,13 +266,13 @@ class Identification {
   [[nodiscard]] Eigen::VectorXd half_widths(const Linearised& at) const {
     const std::vector<int> columns = with_shape(linear_columns(), at);
     const Eigen::MatrixXd covariance =
-        robust_covariance(at.J(Eigen::all, columns), at.residual, kCorrelatedRows - 1);
+        maths::robust_covariance(at.J(Eigen::all, columns), at.residual, kCorrelatedRows - 1);
     const Eigen::VectorXd free = least_squares(at.J, at.residual, columns);
     Eigen::VectorXd widths = Eigen::VectorXd::Zero(kParameters);
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const auto index = static_cast<Eigen::Index>(i);
       const int column = columns[i];
-      widths[column] = kHalfWidth95 * std::sqrt(std::max(0.0, covariance(index, index)));
+      widths[column] = maths::kHalfWidth95 * std::sqrt(std::max(0.0, covariance(index, index)));
       if (std::count(columns_.begin(), columns_.end(), column) == 0 &&
           column < TableSignals::kTableTerms)
         widths[column] = std::max(0.0, free[column] + widths[column]);
@@ -344,11 +345,11 @@ class Identification {
     const Eigen::Map<const Eigen::VectorXd> means{blocks.data(),
                                                   static_cast<Eigen::Index>(blocks.size())};
     if (means.size() <= 2 * kTestedLags) return;
-    const double bound = kHalfWidth95 / std::sqrt(static_cast<double>(means.size()));
+    const double bound = maths::kHalfWidth95 / std::sqrt(static_cast<double>(means.size()));
     int beyond = 0;
     for (Eigen::Index lag = 1; lag <= kTestedLags; ++lag)
-      if (std::abs(autocorrelation(means, lag)) > bound) ++beyond;
-    found.neighbour_correlation = autocorrelation(means, 1);
+      if (std::abs(maths::autocorrelation(means, lag)) > bound) ++beyond;
+    found.neighbour_correlation = maths::autocorrelation(means, 1);
     found.correlated_share = static_cast<double>(beyond) / kTestedLags;
   }
 
@@ -356,7 +357,7 @@ class Identification {
   TableObserverSettings observer_;
   std::size_t stride_, settling_;
   bool has_load_ = false;
-  Estimate behind_;  ///< the accelerometer behind the displacement transducer [s]
+  maths::Estimate behind_;  ///< the accelerometer behind the displacement transducer [s]
   Shape shape_;
   Eigen::VectorXd linear_;
   std::vector<int> columns_;

@@ -8,9 +8,9 @@
 
 #include <Eigen/Core>
 
-#include <rths/controller/filters.hpp>
-#include <rths/controller/robust_covariance.hpp>
 #include <rths/controller/table_force.hpp>
+#include <rths/maths/low_pass.hpp>
+#include <rths/maths/robust_covariance.hpp>
 
 namespace rths::controller {
 
@@ -46,8 +46,8 @@ class FusedMotion {
 
 /// Delay of the accelerometer behind the displacement transducer [s]: least squares of the
 /// acceleration over second and third derivative of the displacement. 0 without motion.   @setup
-[[nodiscard]] Estimate accelerometer_behind_displacement(std::span<const TableRecording> runs,
-                                                         double period);
+[[nodiscard]] maths::Estimate accelerometer_behind_displacement(
+    std::span<const TableRecording> runs, double period);
 
 /// From measured samples to the terms of the machine's force, all of one instant and through one
 /// low-pass. Observer and identification share it, so they share its small errors.
@@ -69,7 +69,8 @@ class TableSignals {
   FractionalDelay displacement_, force_, load_;
   FusedMotion velocity_;
   double presliding_, period_, friction_state_ = 0, last_velocity_ = 0;
-  std::vector<LowPass> filters_;  // one per term but the constant one, and the force; or none
+  std::vector<maths::LowPass>
+      filters_;  // one per term but the constant one, and the force; or none
   std::optional<Eigen::Matrix<double, kTableTerms, 1>> first_;
 };
 

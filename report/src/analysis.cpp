@@ -15,8 +15,9 @@
 
 #include <fmt/format.h>
 
-#include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/report/report.hpp>
 
 namespace rths::report {
@@ -99,7 +100,7 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const Roles& ro
   add_steps(result, run, roles, names);
   const auto delay =
       delay_or_none(result.command.values, result.measured.values, ticks.interval(), kDelaySearch);
-  const auto error = controller::tracking_error(result.command.values, result.measured.values);
+  const auto error = maths::tracking_error(result.command.values, result.measured.values);
   result.delay = delay.cross_correlation;
   result.delay_min_rms = delay.minimum_rms;
   result.nrms = error.nrms;
@@ -107,8 +108,8 @@ AxisAnalysis analyse_axis(const Reader& run, const Ticks& ticks, const Roles& ro
   result.peak_displacement = largest_magnitude(result.measured.values);
   result.peak_shear = largest_magnitude(result.force.values);
   result.tracking = windowed_tracking(result.command, result.measured);
-  result.bands =
-      track_bands(result.command.values, result.measured.values, ticks.interval(), result.delay);
+  result.bands = maths::track_bands(result.command.values, result.measured.values, ticks.interval(),
+                                    result.delay);
   return result;
 }
 
@@ -153,7 +154,7 @@ void add_raw_delay(AxisAnalysis& axis, const Ticks& ticks, const AxisRoles& name
   const auto delay = delay_or_none(command.values, measured.values, ticks.interval(), kDelaySearch);
   axis.raw_delay = delay.cross_correlation;
   axis.raw_delay_min_rms = delay.minimum_rms;
-  axis.raw_nrms = controller::tracking_error(command.values, measured.values).nrms;
+  axis.raw_nrms = maths::tracking_error(command.values, measured.values).nrms;
 }
 
 void add_raw_delays(const Reader& uncompensated, std::vector<AxisAnalysis>& axes) {
@@ -200,8 +201,8 @@ std::vector<NodeAnalysis> analyse_nodes(const Reader& run) {
     node.steps = std::lround(run.signal(prefix + "step").back());
     node.overruns = std::lround(run.signal(prefix + "overruns").back());
     node.stale = std::lround(run.signal(prefix + "stale").back());
-    node.late_p50 = percentile(late, 0.50);
-    node.late_p99 = percentile(late, 0.99);
+    node.late_p50 = maths::quantile(late, 0.50);
+    node.late_p99 = maths::quantile(late, 0.99);
     node.late_max = run.signal(prefix + "late_max").back();
     nodes.push_back(node);
   }
@@ -268,11 +269,11 @@ std::optional<Reader> open_if_there(const std::filesystem::path& file) {
 
 }  // namespace
 
-controller::DelayIdentification delay_or_none(std::span<const double> command,
-                                              std::span<const double> measured, double interval,
-                                              double search) {
+maths::DelayIdentification delay_or_none(std::span<const double> command,
+                                         std::span<const double> measured, double interval,
+                                         double search) {
   try {
-    return controller::identify_delay(command, measured, interval, search);
+    return maths::identify_delay(command, measured, interval, search);
   } catch (const Error&) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {kNone, kNone};
@@ -305,19 +306,6 @@ double model_time_at(double wall_time, double rest, double rate) {
 
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
-}
-
-double mean(std::span<const double> values) {
-  return values.empty() ? 0
-                        : std::accumulate(values.begin(), values.end(), 0.0) /
-                              static_cast<double>(values.size());
-}
-
-double percentile(std::vector<double> values, double fraction) {
-  if (values.empty()) return 0;
-  const auto index = static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + index, values.end());
-  return values[static_cast<std::size_t>(index)];
 }
 
 std::optional<double> most_extreme(std::span<const double> values) {

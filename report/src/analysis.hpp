@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include <rths/controller/delay.hpp>
+#include <rths/maths/bands.hpp>
+#include <rths/maths/delay.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
-#include <rths/report/bands.hpp>
 #include <rths/report/judgement.hpp>
 
 namespace rths::report {
@@ -23,11 +23,6 @@ struct Series {
   std::vector<double> values;
 };
 
-/// Mean of values; 0 without any.
-[[nodiscard]] double mean(std::span<const double> values);
-/// The value below which a fraction of the values lies; 0 if there are none.
-/// @param fraction  0 to 1 [-]
-[[nodiscard]] double percentile(std::vector<double> values, double fraction);
 /// The value of largest magnitude, with its sign; none without values.
 [[nodiscard]] std::optional<double> most_extreme(std::span<const double> values);
 
@@ -51,7 +46,7 @@ struct AxisAnalysis {
   double peak_displacement = 0, peak_shear = 0;  ///< [m], [N]
   long compensator_limited = 0;                  ///< its ticks at a limit
   WindowedTracking tracking;
-  std::vector<BandTracking> bands;
+  std::vector<maths::BandTracking> bands;
 };
 
 /// States of the predictor-corrector in each integration step.
@@ -110,8 +105,8 @@ struct VerticalAnalysis {
   double span = 0;           ///< of the command, peak to peak [N]
   double delay = 0;          ///< command to measured [s]
   double error = 0;          ///< RMS error over span [-]
-  Coherence coherence;
-  std::vector<BandTracking> bands;
+  maths::Coherence coherence;
+  std::vector<maths::BandTracking> bands;
 };
 
 /// A change of a word that no node of the run writes, such as a parameter.
@@ -230,9 +225,9 @@ struct Analysis {
 inline constexpr double kDelaySearch = 0.2;
 /// NaN if the signals have no motion, or are too short.
 /// @param search  largest shift to either side [s]
-[[nodiscard]] controller::DelayIdentification delay_or_none(std::span<const double> command,
-                                                            std::span<const double> measured,
-                                                            double interval, double search);
+[[nodiscard]] maths::DelayIdentification delay_or_none(std::span<const double> command,
+                                                       std::span<const double> measured,
+                                                       double interval, double search);
 
 /// Lateness of the host, as recorded.
 struct HostLateness {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include <rths/maths/statistics.hpp>
+
 #include "analysis.hpp"
 
 namespace rths::report {
@@ -32,13 +34,13 @@ std::vector<HopAnalysis> analyse_hops(const recording::Reader& run) {
     HopAnalysis hop;
     hop.from = name.substr(std::string{kDelay}.size());
     hop.to = host;
-    hop.delay_p50 = percentile(delays, 0.50);
-    hop.delay_p99 = percentile(delays, 0.99);
-    hop.delay_max = percentile(delays, 1);
+    hop.delay_p50 = maths::quantile(delays, 0.50);
+    hop.delay_p99 = maths::quantile(delays, 0.99);
+    hop.delay_max = maths::quantile(delays, 1);
     if (const auto age = kGateway + host + ".age." + hop.from; run.has(age)) {
       const auto ages = measured(run.signal(age));
-      hop.age_p99 = percentile(ages, 0.99);
-      hop.age_max = percentile(ages, 1);
+      hop.age_p99 = maths::quantile(ages, 0.99);
+      hop.age_max = maths::quantile(ages, 1);
     }
     hops.push_back(std::move(hop));
   }

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/status.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/recording/foreign_stores.hpp>
 
 #include "analysis.hpp"
@@ -41,9 +42,8 @@ Break missing_rows(const Reader& run, const Bounds& bounds) {
   const auto& time = run.time();
   if (time.size() < 2)
     return Broken{"rows", 0, "time", fmt::format("{} rows", time.size()), "a test"};
-  std::vector<double> gaps;
-  for (std::size_t i = 1; i < time.size(); ++i) gaps.push_back(time[i] - time[i - 1]);
-  const double period = percentile(gaps, 0.5);
+  const auto gaps = maths::steps_of(time);
+  const double period = maths::quantile(gaps, 0.5);
   double missing = 0, first = 0;
   for (std::size_t i = 0; i < gaps.size(); ++i) {
     if (gaps[i] < 1.5 * period) continue;

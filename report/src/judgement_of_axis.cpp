@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "analysis.hpp"
 #include "conditions.hpp"
@@ -25,12 +26,6 @@ constexpr double kLeastForce = 0.1;      // scale of forces, over the limit of t
 constexpr double kLeastMotion = 20;      // scale of displacements, over the resolution
 constexpr double kReferenceRounding = 1e-5;  // of a recorded reference [m]
 constexpr std::size_t kSpeedReach = 10;      // ticks to either side
-
-double rms(std::span<const double> values) {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return values.empty() ? 0 : std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 std::vector<double> difference(const std::vector<double>& a, const std::vector<double>& b) {
   std::vector<double> result(std::min(a.size(), b.size()));
@@ -57,7 +52,7 @@ std::vector<double> bends(const std::vector<double>& values) {
 double noise_in(std::span<const double> bends) {
   std::vector<double> sizes;
   for (const double bend : bends) sizes.push_back(std::abs(bend));
-  return percentile(std::move(sizes), 0.5) / kNormal / std::sqrt(1.5);
+  return maths::quantile(std::move(sizes), 0.5) / kNormal / std::sqrt(1.5);
 }
 
 // Total time of the ticks at a limit.
@@ -138,16 +133,17 @@ Break tracking_of(const AxisEvidence& axis, const Evidence& all, const Bounds& b
                        : fmt::format("at most {:g} mm", 1e3 * allowed(bound));
   };
   for (const auto& window : windows(all, kTrackingWindow)) {
-    const double found = rms(part(error, window));
+    const double found = maths::rms(part(error, window));
     if (found > allowed(bounds.window_nrms))
       return Broken{"tracking", all.time[window.begin], axis.displacement.name,
                     fmt::format("an RMS error of {} in 2 s, {}", found_as(found),
                                 proportion(fit(part(u, window), part(d, window)), "the command")),
                     allowed_as(bounds.window_nrms)};
   }
-  if (rms(error) > allowed(bounds.nrms))
+  if (maths::rms(error) > allowed(bounds.nrms))
     return Broken{"tracking", all.time.front(), axis.displacement.name,
-                  fmt::format("an RMS error of {}", found_as(rms(error))), allowed_as(bounds.nrms)};
+                  fmt::format("an RMS error of {}", found_as(maths::rms(error))),
+                  allowed_as(bounds.nrms)};
   if (const auto delay = delay_of(u, d, all); delay && largest > 10 * bounds.resolution) {
     if (std::abs(*delay) > bounds.delay * all.rate)
       return Broken{"tracking", all.time.front(), axis.displacement.name,
@@ -161,7 +157,7 @@ Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
   const auto& d = axis.displacement;
   const auto error = difference(d.values, axis.command.values);
   const auto beyond = [&](const Window& window, double allowed) -> Break {
-    const double offset = mean(part(error, window));
+    const double offset = maths::mean(part(error, window));
     if (std::abs(offset) <= allowed) return {};
     return Broken{"offset", all.time[window.begin], d.name,
                   fmt::format("an offset of {:.1f} mm from the command", 1e3 * offset),
@@ -194,8 +190,8 @@ Break load_limit_of(const Evidence& all) {
 Break load_of(const Evidence& all, const Bounds& bounds) {
   if (!all.load.is_recorded() || !all.load_reference.is_recorded()) return {};
   for (const auto& window : windows(all, kSecond)) {
-    const double load = mean(part(all.load.values, window));
-    const double reference = mean(part(all.load_reference.values, window));
+    const double load = maths::mean(part(all.load.values, window));
+    const double reference = maths::mean(part(all.load_reference.values, window));
     if (std::abs(load - reference) <= bounds.load * std::abs(reference)) continue;
     return Broken{"load", all.time[window.begin], all.load.name,
                   fmt::format("{:.0f} kN", load * 1e-3),

@@ -7,8 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "analysis.hpp"
 #include "conditions.hpp"
@@ -61,8 +62,8 @@ std::optional<double> delay_of(const std::vector<double>& reference,
     y.push_back(response[i]);
   }
   try {
-    return controller::identify_delay(x, y, all.interval * static_cast<double>(stride),
-                                      kSearch * all.rate)
+    return maths::identify_delay(x, y, all.interval * static_cast<double>(stride),
+                                 kSearch * all.rate)
         .cross_correlation;
   } catch (const Error&) {
     return std::nullopt;  // too short, or without motion
@@ -116,7 +117,7 @@ Break saturation_of(const AxisEvidence& axis, const Evidence& all, std::size_t e
         model.push_back(axis.model_force[i]);
       }
     if (model.size() < kFewExtremes) continue;
-    const double change = percentile(model, 0.95) - percentile(model, 0.05);
+    const double change = maths::quantile(model, 0.95) - maths::quantile(model, 0.05);
     if (change > kSaturation * axis.largest_force)
       return Broken{
           "force", all.time[first], axis.force.name,
@@ -137,7 +138,7 @@ Break force_in(const Window& window, const AxisEvidence& axis, const Evidence& a
   const auto& model = axis.model_force;
   const double largest = axis.largest_force;
   const Fit f = fit(part(model, window), part(measured, window));
-  const double offset = mean(part(measured, window)) - mean(part(model, window));
+  const double offset = maths::mean(part(measured, window)) - maths::mean(part(model, window));
   const Fit moved = fit(part(axis.command.values, window), part(axis.displacement.values, window));
   const bool is_strong = std::max(f.reference, f.response) > kStrong * largest &&
                          std::max(moved.reference, moved.response) > 2 * bounds.resolution;

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/maths/bands.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/report/report.hpp>
 
 namespace rths::report {
@@ -32,7 +34,7 @@ std::vector<double> numbers_in(std::vector<double> values) {
 
 // None without values.
 std::optional<double> median(std::vector<double> values) {
-  return values.empty() ? std::nullopt : std::optional{percentile(std::move(values), 0.5)};
+  return values.empty() ? std::nullopt : std::optional{maths::quantile(std::move(values), 0.5)};
 }
 
 // Rounds to significant decimals.
@@ -57,7 +59,7 @@ Json spectrum_ratios(const FloorSpectra& floor, const std::string& of,
     for (std::size_t i = 0; i < frequencies.size(); ++i)
       if (frequencies[i] >= band.from && frequencies[i] < band.to)
         logarithms.push_back(std::log(floor.spectra[0].values[i] / found->values[i]));
-    ratios[band.name] = rounded(std::exp(mean(logarithms)), 4);
+    ratios[band.name] = rounded(std::exp(maths::mean(logarithms)), 4);
   }
   return ratios;
 }
@@ -78,7 +80,7 @@ void add_numerical(Json& json, const std::string& axis, const char* prefix,
   }
 }
 
-Json band_numbers(const BandTracking& band) {
+Json band_numbers(const maths::BandTracking& band) {
   Json json{{"from_Hz", rounded(band.from, 3)},
             {"to_Hz", rounded(band.to, 3)},
             {"command_percent", rounded(band.command * kPercent, 3)},
@@ -201,7 +203,7 @@ std::size_t count_of(const StepAnalysis& steps) {
 }
 
 Json mean_ms(const std::vector<double>& seconds) {
-  return seconds.empty() ? Json(nullptr) : Json(rounded(mean(seconds) * kMilli, 4));
+  return seconds.empty() ? Json(nullptr) : Json(rounded(maths::mean(seconds) * kMilli, 4));
 }
 
 Json left_out_numbers(const std::vector<LeftOut>& sections) {
@@ -389,12 +391,12 @@ std::string summary_of(const Analysis& analysis) {
         "the repetition in virtual time\n",
         analysis.hosts.real_time, kRealTimeFile);
   if (!steps.predict.empty())
-    text +=
-        fmt::format("PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
-                    mean(steps.predict) * kMilli, mean(steps.correct) * kMilli, steps.slow_downs,
-                    steps.slow_downs_excused > 0
-                        ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
-                        : "");
+    text += fmt::format(
+        "PC      predict {:.1f} ms  correct {:.1f} ms  slow-downs {}{}\n",
+        maths::mean(steps.predict) * kMilli, maths::mean(steps.correct) * kMilli, steps.slow_downs,
+        steps.slow_downs_excused > 0
+            ? fmt::format(" (and {} while the host was late)", steps.slow_downs_excused)
+            : "");
   for (const auto& axis : analysis.axes)
     text += axis_summary(axis) + response_summary(axis.name, analysis);
   text += vertical_summary(analysis.vertical) + beside_summary(analysis.beside);

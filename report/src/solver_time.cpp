@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/maths/statistics.hpp>
+
 #include "analysis.hpp"
 
 namespace rths::report {
@@ -72,7 +74,7 @@ double usual_rows_of(const std::vector<std::size_t>& starts) {
   std::vector<double> lengths;
   for (std::size_t i = 1; i < starts.size(); ++i)
     lengths.push_back(static_cast<double>(starts[i] - starts[i - 1]));
-  return percentile(std::move(lengths), 0.5);
+  return maths::quantile(std::move(lengths), 0.5);
 }
 
 // Rows from a count to the middle of its move: words and count can lie in different rows.

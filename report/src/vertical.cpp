@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <rths/maths/bands.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/statistics.hpp>
+
 namespace rths::report {
 namespace {
 
@@ -15,7 +19,7 @@ std::vector<double> from(double time, const Series& series) {
 }
 
 std::vector<double> without_mean(std::vector<double> values) {
-  const double middle = mean(values);
+  const double middle = maths::mean(values);
   for (double& value : values) value -= middle;
   return values;
 }
@@ -39,13 +43,13 @@ std::optional<VerticalAnalysis> analyse_vertical(const recording::Reader& run, c
   const auto [low, high] = std::minmax_element(command.begin(), command.end());
   vertical.span = *high - *low;
   if (!(vertical.span > 0)) return std::nullopt;
-  vertical.error = controller::tracking_error(command, measured).rms / vertical.span;
+  vertical.error = maths::tracking_error(command, measured).rms / vertical.span;
   // The weight, which all samples share, has neither a delay nor a frequency.
   const auto varying = without_mean(command), answer = without_mean(measured);
   vertical.delay =
       delay_or_none(varying, answer, vertical.command.interval, kDelaySearch).minimum_rms;
-  vertical.bands = track_bands(varying, answer, vertical.command.interval, vertical.delay);
-  vertical.coherence = coherence_of(varying, answer, vertical.command.interval);
+  vertical.bands = maths::track_bands(varying, answer, vertical.command.interval, vertical.delay);
+  vertical.coherence = maths::coherence_of(varying, answer, vertical.command.interval);
   return vertical;
 }
 

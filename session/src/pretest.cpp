@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/session/companions.hpp>
 #include <rths/session/hybrid_test.hpp>
@@ -37,12 +37,6 @@ constexpr double kSearchedDelay = 0.2;      // [s]
 constexpr double kLeastReference = 1e-4;    // RMS of a reference that identifies a machine [m]
 constexpr std::uint64_t kRuns = 8;          // of the closed loop
 constexpr double kHoldPeriods = 0.5;        // of the controller: its reference is held
-
-double root_mean_square(const std::vector<double>& values) {
-  double squares = 0;
-  for (const double value : values) squares += value * value;
-  return values.empty() ? 0 : std::sqrt(squares / static_cast<double>(values.size()));
-}
 
 bool is_tested(const Experiment& experiment, std::size_t axis) {
   return contains(experiment.axes, kHorizontal[axis]);
@@ -89,18 +83,12 @@ Experiment with_imposed_motion(Experiment experiment,
 
 void identify_machine(const recording::Reader& run, AxisPrediction& axis) {
   const auto record = transfer_record_of(recording::roles_of(run), run, axis.name, {});
-  if (!(root_mean_square(record.reference) >= kLeastReference))
+  if (!(maths::rms(record.reference) >= kLeastReference))
     throw Error{fmt::format("machine: the reference of {} does not move", axis.name)};
   axis.machine = budget::identify_transfer(record);
-  axis.machine_delay = controller::identify_delay(record.reference, record.displacement,
-                                                  record.period, kSearchedDelay)
-                           .minimum_rms;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  axis.machine_delay =
+      maths::identify_delay(record.reference, record.displacement, record.period, kSearchedDelay)
+          .minimum_rms;
 }
 
 // The median of each number over the ticks.
@@ -110,7 +98,7 @@ Numbers median_of(const std::vector<Numbers>& by_tick) {
   for (Eigen::Index i = 0; i < middle.size(); ++i) {
     std::vector<double> values;
     for (const auto& one : by_tick) values.push_back(one[i]);
-    middle[i] = median(std::move(values));
+    middle[i] = maths::median(std::move(values));
   }
   return middle;
 }
@@ -155,11 +143,10 @@ void predict_tracking(const recording::Reader& run, AxisPrediction& axis) {
   for (const auto& roles : recording::roles_of(run).axes) {
     if (roles.axis != axis.name) continue;
     const auto command = run.signal(roles.command), measured = run.signal(roles.displacement);
-    axis.tracking = controller::tracking_error(command, measured);
+    axis.tracking = maths::tracking_error(command, measured);
     const double interval =
         (run.time().back() - run.time().front()) / static_cast<double>(run.time().size() - 1);
-    axis.delay =
-        controller::identify_delay(command, measured, interval, kSearchedDelay).minimum_rms;
+    axis.delay = maths::identify_delay(command, measured, interval, kSearchedDelay).minimum_rms;
   }
 }
 
@@ -341,11 +328,7 @@ class Steps {
 
 }  // namespace
 
-double AxisPrediction::difference() const {
-  return differences.empty() ? 0
-                             : std::accumulate(differences.begin(), differences.end(), 0.0) /
-                                   static_cast<double>(differences.size());
-}
+double AxisPrediction::difference() const { return maths::mean(differences); }
 
 Pretest pretest(const Experiment& experiment, const PretestSettings& settings) {
   if (experiment.has_user_program())

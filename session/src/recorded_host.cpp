@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <rths/launch/run.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::session {
 namespace {
@@ -114,10 +115,9 @@ bool read_computing(const std::vector<double>& at_target, const Punctuality& in_
     if (is_punctual.back()) punctual.push_back(host.computing.back());
   }
   if (punctual.empty()) return false;
-  const auto middle = punctual.begin() + static_cast<std::ptrdiff_t>(punctual.size() / 2);
-  std::nth_element(punctual.begin(), middle, punctual.end());
+  const int middle = maths::median(punctual);
   for (std::size_t k = 0; k < host.computing.size(); ++k)
-    if (!is_punctual[k]) host.computing[k] = *middle;
+    if (!is_punctual[k]) host.computing[k] = middle;
   return punctual.size() == host.computing.size();
 }
 

@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/require.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::sim {
 namespace {
@@ -45,9 +45,9 @@ StickMatrices stick_matrices(const VectorXd& m, double frequency, double damping
   MatrixXd K = unit_stiffness(static_cast<int>(m.size()));
   const MatrixXd M = m.asDiagonal();
   const double omega = 2 * std::numbers::pi * frequency;
-  const double unit_eigenvalue = algebra::generalized_modes(K, M).values[0];
+  const double unit_eigenvalue = maths::generalized_modes(K, M).values[0];
   K *= omega * omega / unit_eigenvalue;
-  const algebra::Modes modes = algebra::generalized_modes(K, M);
+  const maths::Modes modes = maths::generalized_modes(K, M);
   const VectorXd c = 2 * damping_ratio * modes.values.cwiseSqrt();
   const MatrixXd MPhi = M * modes.vectors;
   return {K, MPhi * c.asDiagonal() * MPhi.transpose()};

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/commissioning/loop_stability.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::commissioning {
 namespace {
@@ -42,7 +42,7 @@ HybridLoop loop_of(const Benchmark& benchmark) {
       9267275.506224312;
   K = (0.5 * (K + K.transpose())).eval();
   const double m = benchmark.floor_mass;
-  const auto modes = algebra::symmetric_modes(K / m);
+  const auto modes = maths::symmetric_modes(K / m);
   Eigen::Matrix3d C = Eigen::Matrix3d::Zero(), M = m * Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i)
     C += 2 * benchmark.damping_ratio * std::sqrt(modes.values[i]) * m * modes.vectors.col(i) *
@@ -58,7 +58,7 @@ HybridLoop loop_of(const Benchmark& benchmark) {
     matrix << K - w * w * M, -w * C, w * C, K - w * w * M;
     Eigen::VectorXd load = Eigen::VectorXd::Zero(6);
     load[0] = 1;
-    const Eigen::VectorXd x = algebra::solve_least_squares(matrix, load);
+    const Eigen::VectorXd x = maths::solve_least_squares(matrix, load);
     flexibility.emplace_back(x[0], x[3]);
     // The inertia and damping of the specimen are measured with its force.
     transfer.push_back(Complex{kSpecimenStiffness - w * w * kSpecimenMass, w * kSpecimenDamping} /

@@ -8,9 +8,10 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/controller/feed_forward.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/low_pass.hpp>
 
 #include "support/files.hpp"
 #include "support/period.hpp"
@@ -104,8 +105,8 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
   settings.lowest = {-1e9, -1e9, -1e9};
   settings.highest = {1e9, 1e9, 1e9};
   Ats ats{settings};
-  LowPass command_filter{6, 20, kPeriod};
-  LowPass response_filter{6, 20, kPeriod};
+  maths::LowPass command_filter{6, 20, kPeriod};
+  maths::LowPass response_filter{6, 20, kPeriod};
   PureDelay machine{30};
   const BandLimitedMotion motion;
   std::vector<Eigen::Vector4d> rows;  // x_m, its two differences, u_f
@@ -134,7 +135,7 @@ TEST(Ats, FitsTheWindowAsADirectLeastSquaresDoes) {
     X.row(k) = row.head<3>();
     u[k] = row[3];
   }
-  const Eigen::Vector3d direct = algebra::solve_least_squares(X, u);
+  const Eigen::Vector3d direct = maths::solve_least_squares(X, u);
   for (int i = 0; i < 3; ++i)
     EXPECT_NEAR(ats.coefficients()[i], direct[i], 1e-6 * std::abs(direct[i]));
 }

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 SIDES = {  # fill, line, and the folders of each side
     "knows the ring, no structure": ("#dcebfa", "#3b78b5", ("memmap", "broker")),
-    "knows structures, no ring": ("#e0f2e0", "#3f8f4f", ("maths", "algebra", "controller", "sim", "diagnosis", "commissioning")),
+    "knows structures, no ring": ("#e0f2e0", "#3f8f4f", ("maths", "controller", "sim", "diagnosis", "commissioning")),
     "both meet": ("#fdebd0", "#c27c1a", ("adapters", "experiment", "launch", "foreign")),
     "a test as a whole": ("#eeeeee", "#777777", ()),
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/maths/bands.hpp>
 #include <rths/report/report.hpp>
 
 #include "report/src/numbers.hpp"
@@ -85,7 +86,7 @@ TEST(Numbers, HoldEveryKeyOfAReport) {
 // A delay of a few milliseconds says little about a closed loop.
 TEST(Summary, ShowsResponseAndBandsBesideTheDelay) {
   Analysis analysis = run_with(0);
-  BandTracking band;
+  maths::BandTracking band;
   band.from = 3;
   band.to = 6;
   band.nrms = 0.004;

@@ -8,7 +8,7 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 #include "support/files.hpp"
 #include "support/lead_rubber.hpp"
@@ -20,7 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 VectorXd frequencies(const MatrixXd& K, const MatrixXd& M) {
-  return algebra::generalized_modes(K, M).values.cwiseMax(0).cwiseSqrt() / (2 * std::numbers::pi);
+  return maths::generalized_modes(K, M).values.cwiseMax(0).cwiseSqrt() / (2 * std::numbers::pi);
 }
 
 MatrixXd with_bearings(const PlantMatrices& plant, double stiffness) {
@@ -55,7 +55,7 @@ TEST(IsolatedPlant, HasTheGivenFrequenciesOnAFixedBase) {
 
 TEST(IsolatedPlant, HasItsDampingRatioInEveryFixedBaseMode) {
   const PlantMatrices fixed = assemble(example_plant()).fixed_base();
-  const algebra::Modes modes = algebra::generalized_modes(fixed.K, fixed.M);
+  const maths::Modes modes = maths::generalized_modes(fixed.K, fixed.M);
 
   const MatrixXd modal = modes.vectors.transpose() * fixed.C * modes.vectors;
 

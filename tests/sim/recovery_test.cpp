@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 #include <rths/sim/composition.hpp>
 
 #include "sim/term_cases.hpp"
@@ -132,7 +132,7 @@ Fit fit(const Problem& problem, const VectorXd& measured, VectorXd values) {
     double gain = 0, step_in_deviations = 0;
     for (int attempt = 0; attempt < 12; ++attempt) {
       const MatrixXd damped = H + damping * MatrixXd{scale.asDiagonal()};
-      const VectorXd next = clamped(problem, values + algebra::solve_symmetric(damped, g));
+      const VectorXd next = clamped(problem, values + maths::solve_symmetric(damped, g));
       const double then = cost(next);
       if (then <= now) {
         gain = now - then;
@@ -148,7 +148,7 @@ Fit fit(const Problem& problem, const VectorXd& measured, VectorXd values) {
     if (gain <= 1e-6 * now && step_in_deviations < 1e-2) break;
   }
   const MatrixXd J = w.asDiagonal() * jacobian(problem, values);
-  return {values, algebra::inverse(J.transpose() * J).diagonal().cwiseSqrt()};
+  return {values, maths::inverse(J.transpose() * J).diagonal().cwiseSqrt()};
 }
 
 VectorXd noisy(const Problem& problem, VectorXd y, std::uint64_t seed) {

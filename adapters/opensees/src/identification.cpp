@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::adapters {
 namespace {
@@ -41,7 +41,7 @@ MatrixXcd solve(const MatrixXcd& a, const MatrixXcd& b) {
   left.topRightCorner(n, n) = -a.imag();
   right.topRows(n) = b.real();
   right.bottomRows(n) = b.imag();
-  const MatrixXd found = algebra::solve_least_squares(left, right);
+  const MatrixXd found = maths::solve_least_squares(left, right);
   MatrixXcd z(n, b.cols());
   z.real() = found.topRows(n);
   z.imag() = found.bottomRows(n);
@@ -59,7 +59,7 @@ double excitation(double time) {
 
 // Damping and mass must be positive semidefinite: negative eigenvalues, caused by noise, become 0.
 MatrixXd passive(const MatrixXd& matrix) {
-  const algebra::Modes modes = algebra::symmetric_modes((matrix + matrix.transpose()) / 2);
+  const maths::Modes modes = maths::symmetric_modes((matrix + matrix.transpose()) / 2);
   return modes.vectors * modes.values.cwiseMax(0).asDiagonal() * modes.vectors.transpose();
 }
 
@@ -112,7 +112,7 @@ void Identification::measure(const VectorXd& displacement, const VectorXd& force
 
 // cos and sin parts c, s of a signal c·cos ωt + s·sin ωt are the complex amplitude c − i·s.
 void Identification::finish_component() {
-  const MatrixXd fit = algebra::solve_symmetric(normal_, observed_);
+  const MatrixXd fit = maths::solve_symmetric(normal_, observed_);
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     const auto cosine = fit.row(2 + 2 * static_cast<Index>(i)).transpose();
     const auto sine = fit.row(3 + 2 * static_cast<Index>(i)).transpose();

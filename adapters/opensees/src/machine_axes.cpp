@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
 
 #include "eigen_conversion.hpp"
 
@@ -71,7 +71,7 @@ MachineAxes::MachineAxes(const OpenSeesElement& element)
     for (Index i = 0; i < moved; ++i)
       jacobian_(i, i) = element.axes[static_cast<std::size_t>(i)].direction;
   static_cast<void>(set_position(VectorXd::Zero(moved)));
-  const algebra::MinimumNormSolver decomposition{jacobian_};
+  const maths::MinimumNormSolver decomposition{jacobian_};
   if (decomposition.rank() < moved)
     throw Error{
         fmt::format("element '{}': its actuators control {} of the {} components that they move",

@@ -15,6 +15,7 @@
 #include <fmt/ranges.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/memmap/units.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
 
@@ -109,14 +110,12 @@ bool is_same(const rths_signal& a, const rths_signal& b) {
 }
 
 void check_median(const StepTimes& times, double period, TrialReport& report) {
-  auto wall = times.wall;
-  const auto middle = wall.begin() + static_cast<std::ptrdiff_t>(wall.size() / 2);
-  std::nth_element(wall.begin(), middle, wall.end());
-  if (*middle <= period)
-    return report.pass(kDeadline, fmt::format("median step {:.2f} us", 1e6 * *middle));
+  const double middle = maths::median(times.wall);
+  if (middle <= period)
+    return report.pass(kDeadline, fmt::format("median step {:.2f} us", 1e6 * middle));
   report.fail(kDeadline, fmt::format("half of the steps took more than {:.1f} ms, the period is "
                                      "{:.1f} ms: do not wait in a step",
-                                     1e3 * *middle, 1e3 * period));
+                                     1e3 * middle, 1e3 * period));
   throw Ended{};
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/low_pass.hpp>
 #include <rths/memmap/units.hpp>
 
 #include "block_tables.hpp"
@@ -166,7 +167,7 @@ Block make_low_pass(const Config& table, const BlockContext& context) {
   const int order = static_cast<int>(table.integer_in("order", 2, 8, 2));
   const double cutoff = table.number("cutoff_Hz");
   const auto filter = table.placed("cutoff_Hz", [&] {
-    return controller::LowPass{order, cutoff, context.period};
+    return maths::LowPass{order, cutoff, context.period};
   });
   return through(LowPassBlock{std::vector(context.axes(), filter)});
 }

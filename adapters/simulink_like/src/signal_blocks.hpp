@@ -11,6 +11,7 @@
 
 #include <rths/controller/filters.hpp>
 #include <rths/core/realtime.hpp>
+#include <rths/maths/low_pass.hpp>
 
 #include "wires.hpp"
 
@@ -146,7 +147,7 @@ struct FilterBlock {
     for (std::size_t i = 0; i < w.axes; ++i) w.out[0][i] = filters[i](w.in[0][i]);
   }
 };
-using LowPassBlock = FilterBlock<controller::LowPass>;
+using LowPassBlock = FilterBlock<maths::LowPass>;
 using MovingAverageBlock = FilterBlock<controller::MovingAverage>;
 
 /// Subtracts the mean of the first samples; outputs 0 until it is known.

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include <rths/bench/report.hpp>
-#include <rths/controller/filters.hpp>
 #include <rths/controller/force_observer.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/low_pass.hpp>
 
 #include "empty_table.hpp"
 
@@ -75,7 +75,7 @@ Residual corrected_as_in_the_paper(const TableRun& first, const TableRun& second
                                                         joined(&TableRun::acceleration),
                                                         joined(&TableRun::force), kSample);
   controller::ForceObserver observer{found.machine, kSample};
-  controller::LowPass filter{2, kCutoff, kSample};
+  maths::LowPass filter{2, kCutoff, kSample};
   Residual residual;
   for (std::size_t i = 0; i < run.force.size(); ++i) {
     const double left =

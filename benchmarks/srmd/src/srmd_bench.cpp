@@ -15,9 +15,9 @@
 #include <nlohmann/json.hpp>
 
 #include <rths/bench/statistics.hpp>
-#include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/sha256.hpp>
+#include <rths/maths/delay.hpp>
 #include <rths/sim/floor_spectrum.hpp>
 #include <rths/sim/machine/platen_run.hpp>
 
@@ -64,7 +64,7 @@ double largest(std::span<const double> values) {
 }
 
 double delay_of(std::span<const double> command, std::span<const double> measured) {
-  return controller::identify_delay(command, measured, kPeriod, kSearch).cross_correlation;
+  return maths::identify_delay(command, measured, kPeriod, kSearch).cross_correlation;
 }
 
 std::vector<double> strong_windows(const AxisHistory& axis) {
@@ -101,7 +101,7 @@ SrmdAxis figures_of(const char* name, const AxisHistory& history, const AxisHist
   axis.raw_delay = delay_of(raw.command, raw.measured);
   axis.delay = delay_of(history.command, history.measured);
   axis.windows = strong_windows(history);
-  const auto error = controller::tracking_error(history.command, history.measured);
+  const auto error = maths::tracking_error(history.command, history.measured);
   axis.nrms = error.nrms;
   axis.peak = error.peak;
   axis.feed_forward_overshoot = largest(fed_forward.measured) / axis.largest - 1;

@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 
 #include <rths/bench/report.hpp>
-#include <rths/controller/delay.hpp>
 #include <rths/controller/vertical_force.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/delay.hpp>
 
 #include "vertical_command.hpp"
 #include "vertical_plant.hpp"
@@ -85,11 +85,11 @@ ForceTracking track(const VerticalMachine& machine, const VerticalCommand& comma
   }
   ForceTracking result;
   const auto [low, high] = std::minmax_element(wanted.begin(), wanted.end());
-  const auto error = controller::tracking_error(wanted, found);
+  const auto error = maths::tracking_error(wanted, found);
   result.rms = error.rms / (*high - *low);
   result.stable = result.rms < kUnstable;
   if (!result.stable) return result;
-  result.delay = controller::identify_delay(wanted, found, kTick, kSearch).cross_correlation;
+  result.delay = maths::identify_delay(wanted, found, kTick, kSearch).cross_correlation;
   result.coherence = smallest_coherence(wanted, found, kTick);
   return result;
 }

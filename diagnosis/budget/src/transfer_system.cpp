@@ -10,9 +10,10 @@
 
 #include <fmt/format.h>
 
-#include <rths/controller/delay.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/least_squares.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::budget {
 namespace {
@@ -21,7 +22,6 @@ constexpr double kWindow = 2;          // fitted and scored in turn [s]
 constexpr double kShortest = 8;        // [s]
 constexpr double kLongestDelay = 0.2;  // searched [s]
 constexpr double kHeadroom = 4;        // of the valve over the velocity limit [-]
-constexpr double kNormal95 = 1.96;
 
 /// A fitted parameter, with its place in the system.
 struct Fitted {
@@ -110,10 +110,11 @@ std::vector<std::size_t> samples_of(const TransferRecord& record, std::size_t pa
   return chosen;
 }
 
-double rms(const std::vector<double>& values, const std::vector<std::size_t>& chosen) {
-  double sum = 0;
-  for (const auto i : chosen) sum += values[i] * values[i];
-  return std::sqrt(sum / static_cast<double>(chosen.size()));
+std::vector<double> chosen_of(const std::vector<double>& values,
+                              const std::vector<std::size_t>& chosen) {
+  std::vector<double> result;
+  for (const auto i : chosen) result.push_back(values[i]);
+  return result;
 }
 
 // Share of the windows of the chosen samples in which the first error is the smaller one.
@@ -216,7 +217,7 @@ std::array<double, kCount> half_widths(const diagnosis::Fit& fitted, Eigen::Inde
     for (std::size_t k = 0; k < inside.size(); ++k) {
       const auto row = static_cast<Eigen::Index>(k);
       widths[static_cast<std::size_t>(inside[k])] =
-          kNormal95 * kFitted[inside[k]].scale * std::sqrt(covariance(row, row));
+          maths::kNormal95 * kFitted[inside[k]].scale * std::sqrt(covariance(row, row));
     }
   } catch (const Error&) {  // NOLINT(bugprone-empty-catch): not identifiable
   }
@@ -247,17 +248,15 @@ std::vector<double> predicted(const AxisTransfer& system, const TransferRecord& 
 }
 
 double error_on(const AxisTransfer& system, const TransferRecord& record) {
-  std::vector<std::size_t> all(record.displacement.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
-  return rms(less(record.displacement, predicted(system, record)), all) /
-         rms(record.displacement, all);
+  return maths::rms(less(record.displacement, predicted(system, record))) /
+         maths::rms(record.displacement);
 }
 
 AxisTransfer identify_transfer(const TransferRecord& record) {
   check(record);
-  const double delay = controller::identify_delay(record.reference, record.displacement,
-                                                  record.period, kLongestDelay)
-                           .minimum_rms;
+  const double delay =
+      maths::identify_delay(record.reference, record.displacement, record.period, kLongestDelay)
+          .minimum_rms;
   double strongest = 0;
   for (const double force : record.force) strongest = std::max(strongest, std::abs(force));
   AxisTransfer start;
@@ -275,13 +274,13 @@ AxisTransfer identify_transfer(const TransferRecord& record) {
   for (std::size_t i = 0; i < widths.size(); ++i)
     system.parameters.push_back(
         {kFitted[i].name, kFitted[i].unit, system.*kFitted[i].member, widths[i]});
-  const double size = rms(record.displacement, scored);
+  const double size = maths::rms(chosen_of(record.displacement, scored));
   const auto error = less(record.displacement, predicted(system, record));
   const auto other = less(record.displacement, record.reference);
   system.confidence = share_of_windows(record, scored, error, other);
-  system.residual = rms(error, scored);
+  system.residual = maths::rms(chosen_of(error, scored));
   system.error = system.residual / size;
-  system.error_without = rms(other, scored) / size;
+  system.error_without = maths::rms(chosen_of(other, scored)) / size;
   return system;
 }
 

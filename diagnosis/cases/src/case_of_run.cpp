@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 
@@ -41,9 +42,7 @@ std::ptrdiff_t lead(const NodeTicks& node, const NodeTicks& other) {
     if (node.counter()[row] >= 1 && other.counter()[row] >= 1)
       differences.push_back(node.counter()[row] - other.counter()[row]);
   if (differences.empty()) return 0;
-  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
-  std::nth_element(differences.begin(), middle, differences.end());
-  return std::lround(*middle);
+  return std::lround(maths::median(std::move(differences)));
 }
 
 // Shifts in time by whole samples; repeats the value at the ends.

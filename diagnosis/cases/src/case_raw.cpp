@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "roles.hpp"
 
@@ -122,13 +123,7 @@ void require_increase(const Raw& raw, std::size_t row) {
                             row + 1, raw.time[row], raw.time[row - 1])};
 }
 
-double median_step(const std::vector<double>& time) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
-}
+double median_step(const std::vector<double>& time) { return maths::median(maths::steps_of(time)); }
 
 namespace {
 

@@ -6,7 +6,7 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -34,7 +34,7 @@ struct Normal {
   }
   [[nodiscard]] double remainder() const {  // of the difference, after the fit [nat]
     const double fitted =
-        slope.size() > 0 ? slope.dot(algebra::solve_symmetric(curvature, slope)) : 0;
+        slope.size() > 0 ? slope.dot(maths::solve_symmetric(curvature, slope)) : 0;
     return std::max(0.0, (square - fitted) / 2);
   }
 };
@@ -63,7 +63,7 @@ Hypothesis settled(const RelationFindings& found, Hypothesis hypothesis, Rows& r
   MatrixXd curvature = rows.jacobian.transpose() * rows.jacobian;
   curvature.diagonal().array() += 1 / (kFarthest * kFarthest);
   VectorXd values =
-      result.values - scale.cwiseProduct(algebra::solve_symmetric(
+      result.values - scale.cwiseProduct(maths::solve_symmetric(
                           curvature, VectorXd{rows.jacobian.transpose() * rows.residual}));
   for (Index i = 0; i < values.size(); ++i) {
     const auto& free = result.free[static_cast<std::size_t>(i)];

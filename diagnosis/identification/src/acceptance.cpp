@@ -5,6 +5,7 @@
 
 #include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 
@@ -13,7 +14,7 @@ bool is_beneficial(const std::vector<double>& differences, double least, std::ui
   if (gain <= least) return false;
   // An effect at one instant is absent from many resampled records. It is accepted if its gain is
   // large and it costs nothing elsewhere.
-  const double low = quantile(resampled_sums(differences, seed), 0.01);
+  const double low = maths::quantile(resampled_sums(differences, seed), 0.01);
   return low > 0 || (gain > kLeastGainOfAnEvent && low > -0.01 * gain);
 }
 
@@ -74,7 +75,7 @@ SelectionRound chosen(std::vector<ScoredCandidate> ranked, std::uint64_t seed) {
   std::size_t cheapest = 0;
   for (std::size_t i = 1; i < ranked.size(); ++i) {
     const auto lead = minus(best.differences, ranked[i].differences);
-    const bool is_significant = quantile(resampled_sums(lead, seed), 0.05) > 0;
+    const bool is_significant = maths::quantile(resampled_sums(lead, seed), 0.05) > 0;
     ties[i] = !is_significant || best.gain - ranked[i].gain < kTieShare * best.gain;
     if (ties[i] && ranked[i].candidate.price < ranked[cheapest].candidate.price) cheapest = i;
   }

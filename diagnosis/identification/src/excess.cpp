@@ -8,8 +8,8 @@
 #include <random>
 
 #include <rths/identification/constants.hpp>
-
-#include "transform.hpp"
+#include <rths/maths/fourier.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 
@@ -85,7 +85,7 @@ std::function<Energies(const MatrixXd&)> by_row(
 }
 
 Bands::Bands(const std::vector<double>& edges, const Drive& drive)
-    : rows_{drive.rows()}, length_{fast_length(2 * rows_)}, count_{edges.size() - 1} {
+    : rows_{drive.rows()}, length_{maths::fast_length(2 * rows_)}, count_{edges.size() - 1} {
   for (Index k = 0; k < length_; ++k) {
     const double f = static_cast<double>(std::min(k, length_ - k)) /
                      (static_cast<double>(length_) * drive.time_step);
@@ -111,9 +111,7 @@ MatrixXd Bands::weighed(const MatrixXd& signal, std::vector<double> weights) con
   for (Index output = 0; output < signal.cols(); ++output) {
     Eigen::VectorXcd bins = transformed(signal.col(output));
     for (Index k = 0; k < length_; ++k) bins[k] *= weights[band(k)];
-    VectorXd y;
-    transformer().inv(y, bins);
-    result.col(output) = y.head(rows_);
+    result.col(output) = maths::signal_of(bins).head(rows_);
   }
   return result;
 }
@@ -121,9 +119,7 @@ MatrixXd Bands::weighed(const MatrixXd& signal, std::vector<double> weights) con
 Eigen::VectorXcd Bands::transformed(const VectorXd& signal) const {
   VectorXd x = VectorXd::Zero(length_);
   x.head(rows_) = signal;
-  Eigen::VectorXcd bins;
-  transformer().fwd(bins, x);
-  return bins;
+  return maths::spectrum(x);
 }
 
 namespace {
@@ -157,12 +153,6 @@ VectorXd neighbours_mean(const VectorXd& x, Index half) {
   return y;
 }
 
-double median(VectorXd x) {
-  const auto middle = x.begin() + x.size() / 2;
-  std::nth_element(x.begin(), middle, x.end());
-  return *middle;
-}
-
 // Divides by the size of the noise at each time, then by its mean amplitude at each frequency. That
 // shifts nothing in time.
 class Whitening {
@@ -170,7 +160,7 @@ class Whitening {
   explicit Whitening(const Problem& problem)
       : compared_{problem.drive(0).compared()},
         deviation_{problem.noise(0).deviation()},
-        length_{fast_length(deviation_.rows())} {
+        length_{maths::fast_length(deviation_.rows())} {
     if (!problem.has_colour()) return;
     const double rows = compared_.sum();
     const double draws = static_cast<double>(problem.draws(0).size());
@@ -191,11 +181,10 @@ class Whitening {
     MatrixXd white = residual.cwiseQuotient(deviation_);
     for (std::size_t i = 0; i < amplitudes_.size(); ++i) {
       const auto output = static_cast<Index>(i);
-      VectorXd back;
-      transformer().inv(back, transformed(residual.col(output), output)
-                                  .cwiseQuotient(amplitudes_[i].cast<std::complex<double>>())
-                                  .eval());
-      white.col(output) = back.head(white.rows());
+      white.col(output) =
+          maths::signal_of(transformed(residual.col(output), output)
+                               .cwiseQuotient(amplitudes_[i].cast<std::complex<double>>()))
+              .head(white.rows());
     }
     white.array().colwise() *= compared_;
     return white;
@@ -205,9 +194,7 @@ class Whitening {
   [[nodiscard]] Eigen::VectorXcd transformed(const VectorXd& signal, Index output) const {
     VectorXd scaled = VectorXd::Zero(length_);
     scaled.head(signal.size()) = compared_ * signal.cwiseQuotient(deviation_.col(output)).array();
-    Eigen::VectorXcd bins;
-    transformer().fwd(bins, scaled);
-    return bins;
+    return maths::spectrum(scaled);
   }
 
   Eigen::ArrayXd compared_;

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/screening.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -271,7 +271,7 @@ struct Reduced {
 Regression regress(const Reduced& first, const Reduced& second, bool is_friction) {
   MatrixXd normal = first.columns.transpose() * first.columns;
   normal.diagonal().array() += kRidge * normal.diagonal().mean();
-  const algebra::SymmetricFactors factors{normal};
+  const maths::SymmetricFactors factors{normal};
   const VectorXd c = factors.solve(first.columns.transpose() * first.residual);
   const MatrixXd inverse = factors.inverse();
   const double gain =

@@ -13,6 +13,7 @@
 #include <rths/identification/intervals.hpp>
 #include <rths/identification/scores.hpp>
 #include <rths/identification/screening.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -82,7 +83,7 @@ Description described_by(const FreeForm& form, const Problem& problem, const Fol
     for (const auto& free : form.term.frees)
       if (free.name == estimate.name) {
         description.y.push_back(estimate.value);
-        description.band.push_back((estimate.high - estimate.low) / 2 / kNormal95);
+        description.band.push_back((estimate.high - estimate.low) / 2 / maths::kNormal95);
       }
   return description;
 }

@@ -7,9 +7,10 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -32,7 +33,7 @@ MatrixXd inverse_of_normal(const MatrixXd& jacobian) {
   const auto unit = length.cwiseInverse().asDiagonal();
   normal = unit * normal * unit;
   normal.diagonal().array() += 1e-9;
-  return unit * algebra::inverse(normal) * unit;
+  return unit * maths::inverse(normal) * unit;
 }
 
 // Linearised fit at its minimum, in units of the parameters' scales.
@@ -148,7 +149,7 @@ double fold_disagreement(const Problem& problem, const Folds& folds, const Hypot
   const VectorXd difference = one.step(one.residual) - other.step(other.residual);
   const double free = static_cast<double>((one.bound.array() == 0).count());
   const MatrixXd covariance = one.inverse + other.inverse;
-  const double square = difference.dot(algebra::solve_symmetric(covariance, difference));
+  const double square = difference.dot(maths::solve_symmetric(covariance, difference));
   return free > 0 && std::isfinite(square) ? std::sqrt(std::max(1.0, square / free)) : 1;
 }
 
@@ -179,7 +180,7 @@ std::vector<Estimate> estimates_of(const Hypothesis& fitted, const MatrixXd& cov
   for (std::size_t i = 0; i < fitted.free.size(); ++i) {
     const auto at = static_cast<Index>(i);
     const FreeParameter& free = fitted.free[i];
-    const double value = fitted.values[at], half = kNormal95 * std::sqrt(covariance(at, at));
+    const double value = fitted.values[at], half = maths::kNormal95 * std::sqrt(covariance(at, at));
     estimates.push_back({free.name, free.unit, value, std::max(value - half, free.low),
                          std::min(value + half, free.high)});
   }
@@ -205,7 +206,7 @@ bool may_be_absent(const Candidate& candidate, const Hypothesis& fitted,
   if (sizes.empty()) return false;
   MatrixXd correlation = correlation_of(covariance(own, own));
   correlation.diagonal().array() += 1e-9;  // keeps it regular
-  const MatrixXd precision = algebra::inverse(correlation);
+  const MatrixXd precision = maths::inverse(correlation);
   const Eigen::Map<const VectorXd> distance(distances.data(), std::ssize(distances));
   return distance.dot(precision(sizes, sizes) * distance) < chi_square_95(own.size());
 }

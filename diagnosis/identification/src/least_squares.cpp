@@ -7,10 +7,10 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/identification/constants.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -124,7 +124,7 @@ class Minimiser {
       // `way` of the fixed parameters is known.
       const VectorXd pull = gradient + damped * fixed_part(way, free);
       const VectorXd solution =
-          algebra::solve_symmetric(MatrixXd{damped(free, free)}, VectorXd{-pull(free)});
+          maths::solve_symmetric(MatrixXd{damped(free, free)}, VectorXd{-pull(free)});
       way(free) = solution;
       Index worst = -1;
       double excess = 0;
@@ -188,7 +188,7 @@ MatrixXd covariance(const Fit& fit, Index block) {
   const MatrixXd& J = fit.jacobian;
   const VectorXd scale = J.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const MatrixXd H = scale.asDiagonal() * (J.transpose() * J) * scale.asDiagonal();
-  const algebra::SymmetricFactors factors{H};
+  const maths::SymmetricFactors factors{H};
   if (!(factors.smallest_pivot() > kLeastPivot))
     throw Error{"covariance: the data do not separate the parameters"};
   const MatrixXd inverse = scale.asDiagonal() * factors.inverse() * scale.asDiagonal();

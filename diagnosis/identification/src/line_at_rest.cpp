@@ -5,10 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/identification/constants.hpp>
-
-#include "transform.hpp"
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/fourier.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -23,7 +22,7 @@ VectorXd without_sine(const Stretch& stretch, double frequency) {
                          (2 * std::numbers::pi * frequency * time_step);
   MatrixXd waves(x.size(), 3);
   waves << VectorXd::Ones(x.size()), phase.array().cos().matrix(), phase.array().sin().matrix();
-  return x - waves * algebra::solve_least_squares(waves, x);
+  return x - waves * maths::solve_least_squares(waves, x);
 }
 
 // Smallest share of a sine in the energy of the stretches.
@@ -41,7 +40,7 @@ double duration_of(const Stretch& stretch) {
 
 // Length of the transform of a stretch that resolves a duration.
 Index length_for(double duration, const Stretch& stretch) {
-  return fast_length(static_cast<Index>(
+  return maths::fast_length(static_cast<Index>(
       std::llround(static_cast<double>(kZeroPadding) * duration / stretch.time_step)));
 }
 
@@ -56,8 +55,7 @@ double highest(const std::vector<Stretch>& stretches, double longest, double lea
     const auto& [x, time_step] = stretch;
     VectorXd padded = VectorXd::Zero(length_for(longest, stretch));
     padded.head(x.size()) = x;
-    Eigen::VectorXcd bins;
-    transformer().fwd(bins, padded);
+    const Eigen::VectorXcd bins = maths::spectrum(padded);
     const double per_step = step * static_cast<double>(padded.size()) * time_step;  // 1 at one rate
     for (Index k = 0; k < sum.size(); ++k)
       sum[k] += std::norm(bins[std::llround(static_cast<double>(k) * per_step)]) /

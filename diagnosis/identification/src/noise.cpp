@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/identification/constants.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "line_at_rest.hpp"
 
@@ -34,13 +35,8 @@ double jitter_of(const Channel& channel) {
   std::vector<double> third;
   for (std::size_t i = 3; i < x.size(); ++i)
     third.push_back(std::abs(x[i] - 3 * x[i - 1] + 3 * x[i - 2] - x[i - 3]));
-  double deviation = 0;
-  if (!third.empty()) {
-    const auto middle = third.begin() + static_cast<std::ptrdiff_t>(third.size() / 2);
-    std::nth_element(third.begin(), middle, third.end());
-    deviation = *middle / kMedianOfGauss / std::sqrt(kVarianceOfThird);
-  }
-  return deviation;
+  if (third.empty()) return 0;
+  return maths::median(std::move(third)) / kMedianOfGauss / std::sqrt(kVarianceOfThird);
 }
 
 // The same from the quietest tenth of the spectrum: motion fills only some bands.
@@ -49,9 +45,8 @@ double floor_of(const Channel& channel, double time_step) {
   const Spectrum spectrum =
       power_spectrum(stretch_of(channel, 0, channel.values.size()), kFloorWindow, time_step);
   std::vector<double> density(spectrum.density.begin() + kLeakageBins, spectrum.density.end());
-  const auto quiet = density.begin() + static_cast<std::ptrdiff_t>(density.size() / 10);
-  std::nth_element(density.begin(), quiet, density.end());
-  return std::sqrt(*quiet / (2 * time_step));
+  const double quiet = maths::of_rank(density, density.size() / 10);
+  return std::sqrt(quiet / (2 * time_step));
 }
 
 // Samples of a channel at rest.
@@ -286,10 +281,9 @@ VaryingNoise VaryingNoise::steady(Index rows) const {
     deviations.push_back(std::sqrt(deviation_.segment(first, size).cwiseAbs2().mean()));
     sizes.emplace_back(deviations.back() * colours_[i].deviation, i);
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  VaryingNoise result{rows, deviations[middle->second]};
-  result.colours_ = {colours_[middle->second]};
+  const std::size_t middle = maths::median(std::move(sizes)).second;
+  VaryingNoise result{rows, deviations[middle]};
+  result.colours_ = {colours_[middle]};
   return result;
 }
 

@@ -7,12 +7,11 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/signal.hpp>
-
-#include "transform.hpp"
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/fourier.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -25,16 +24,12 @@ void add_periodogram(const Stretch& stretch, std::vector<double>& sums,
                      std::vector<double>& frequencies, std::vector<double>& counts, double lowest) {
   const auto& [samples, time_step] = stretch;
   const Index n = samples.size();
-  VectorXd weight(n);
-  for (Index i = 0; i < n; ++i)
-    weight[i] = 0.5 * (1 - std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
-                                    static_cast<double>(n)));
+  const VectorXd weight = maths::hann_window(n, 0.5);
   const VectorXd x = (samples.array() - samples.mean()) * weight.array();
-  const Index length = fast_length(n);
+  const Index length = maths::fast_length(n);
   VectorXd padded = VectorXd::Zero(length);
   padded.head(n) = x;
-  Eigen::VectorXcd bins;
-  transformer().fwd(bins, padded);
+  const Eigen::VectorXcd bins = maths::spectrum(padded);
   const double scale = 2 * time_step / weight.squaredNorm();
   for (Index k = 1; k <= length / 2; ++k) {
     const double f = static_cast<double>(k) / (static_cast<double>(length) * time_step);
@@ -71,7 +66,7 @@ VectorXd smooth_polynomial(const VectorXd& x, const VectorXd& y, const VectorXd&
     Eigen::MatrixXd powers = Eigen::MatrixXd::Ones(x.size(), degree + 1);
     for (Index k = 1; k <= degree; ++k) powers.col(k) = powers.col(k - 1).cwiseProduct(x);
     const Eigen::MatrixXd weighted = weight.asDiagonal() * powers;
-    const VectorXd fitted = powers * algebra::solve_least_squares(weighted, target);
+    const VectorXd fitted = powers * maths::solve_least_squares(weighted, target);
     const double cost = weight.cwiseProduct(y - fitted).squaredNorm() +
                         kChanceOfPower * static_cast<double>(degree);
     if (degree == 0 || cost < least) best = fitted, least = cost;
@@ -182,7 +177,7 @@ bool NoiseSpectrum::is_nothing() const {
 NoiseSpectrum::Generator NoiseSpectrum::generator(Index samples, double time_step) const {
   Generator generator;
   generator.samples_ = samples;
-  generator.length_ = fast_length(samples + samples % 2);
+  generator.length_ = maths::fast_length(samples + samples % 2);
   if (is_nothing()) return generator;
   const auto length = static_cast<double>(generator.length_);
   generator.size_.resize(generator.length_ / 2);
@@ -202,9 +197,7 @@ VectorXd NoiseSpectrum::Generator::draw(const std::function<double()>& random) c
     bins[k] = bin;
     bins[(length_ - k) % length_] = std::conj(bin);
   }
-  VectorXd signal;
-  transformer().inv(signal, bins);
-  return signal.head(samples_);
+  return maths::signal_of(bins).head(samples_);
 }
 
 }  // namespace rths::diagnosis

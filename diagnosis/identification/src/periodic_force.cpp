@@ -9,10 +9,9 @@
 
 #include <fmt/format.h>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/identification/constants.hpp>
-
-#include "transform.hpp"
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/fourier.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -69,7 +68,7 @@ double sum_over_outputs(const std::vector<Rows>& all, double frequency, const En
 // Energy that sines of a frequency explain.
 double explained(const std::vector<Rows>& all, double frequency) {
   return sum_over_outputs(all, frequency, [](const MatrixXd& waves, const VectorXd& w) {
-    return w.squaredNorm() - (w - waves * algebra::solve_least_squares(waves, w)).squaredNorm();
+    return w.squaredNorm() - (w - waves * maths::solve_least_squares(waves, w)).squaredNorm();
   });
 }
 
@@ -81,8 +80,8 @@ double continued(const std::vector<Rows>& all, double frequency) {
     const MatrixXd early = waves.topRows(half), late = waves.bottomRows(rest);
     const VectorXd first = w.head(half), second = w.tail(rest);
     return w.squaredNorm() -
-           (first - early * algebra::solve_least_squares(late, second)).squaredNorm() -
-           (second - late * algebra::solve_least_squares(early, first)).squaredNorm();
+           (first - early * maths::solve_least_squares(late, second)).squaredNorm() -
+           (second - late * maths::solve_least_squares(early, first)).squaredNorm();
   });
 }
 
@@ -90,15 +89,13 @@ double continued(const std::vector<Rows>& all, double frequency) {
 double highest_line(const std::vector<Rows>& all) {
   Index longest = 0;
   for (const auto& rows : all) longest = std::max(longest, rows.residual.rows());
-  const Index length = fast_length(kZeroPadding * longest);
+  const Index length = maths::fast_length(kZeroPadding * longest);
   VectorXd sum = VectorXd::Zero(length / 2);
   for (const auto& rows : all)
     for (Index output = 0; output < rows.residual.cols(); ++output) {
       VectorXd padded = VectorXd::Zero(length);
       padded.head(rows.residual.rows()) = rows.residual.col(output);
-      Eigen::VectorXcd bins;
-      transformer().fwd(bins, padded);
-      sum += bins.head(length / 2).cwiseAbs2();
+      sum += maths::spectrum(padded).head(length / 2).cwiseAbs2();
     }
   const double step = 1 / (static_cast<double>(length) * all[0].time_step);
   const auto first = std::min(

@@ -8,6 +8,7 @@
 
 #include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -110,7 +111,7 @@ Whiteness whiteness_of(const TestedHypothesis& named, std::size_t record) {
   // The colour of the noise is an estimate, so three times the quantile of 20 degrees of freedom is
   // allowed.
   return {{correlation.begin(), correlation.end()},
-          kNormal95 / std::sqrt(n * static_cast<double>(white.cols())),
+          maths::kNormal95 / std::sqrt(n * static_cast<double>(white.cols())),
           portmanteau < kAllowance * kChiSquare99};
 }
 

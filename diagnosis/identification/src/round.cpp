@@ -5,6 +5,7 @@
 
 #include <rths/core/contains.hpp>
 #include <rths/identification/constants.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -235,8 +236,8 @@ void Round::rank() {
   std::vector<std::vector<double>> sums;
   for (auto& scored : ranked_) {
     sums.push_back(resampled_sums(scored.differences, seed_));
-    scored.low = quantile(sums.back(), 0.05);
-    scored.high = quantile(sums.back(), 0.95);
+    scored.low = maths::quantile(sums.back(), 0.05);
+    scored.high = maths::quantile(sums.back(), 0.95);
   }
   for (std::size_t k = 0; !sums.empty() && k < sums[0].size(); ++k) {
     std::size_t best = 0;

@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/identification/constants.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -34,7 +34,7 @@ double gain_of(MatrixXd columns, const Complement& complement, const VectorXd& r
     if (length[i] > kOwnShare * whole[i]) used.push_back(i);
   if (used.empty()) return 0;
   const MatrixXd unit = columns(Eigen::all, used) * length(used).cwiseInverse().asDiagonal();
-  const VectorXd weights = algebra::solve_least_squares(unit, residual);
+  const VectorXd weights = maths::solve_least_squares(unit, residual);
   // A size that may only grow explains nothing with the wrong sign.
   if (columns.cols() == 1 && absent - weights[0] / length[used[0]] < low) return 0;
   return 0.5 * (residual.squaredNorm() - (residual - unit * weights).squaredNorm());
@@ -50,7 +50,7 @@ Complement::Complement(const MatrixXd& columns) {
     if (length > 0) scaled.col(i) /= length;
   }
   // By the small Gram matrix, because the columns are long and few.
-  const algebra::Modes eigen = algebra::symmetric_modes(scaled.transpose() * scaled);
+  const maths::Modes eigen = maths::symmetric_modes(scaled.transpose() * scaled);
   const VectorXd& values = eigen.values;
   const double least = kRankCut * values[values.size() - 1];
   std::vector<Index> used;

@@ -7,10 +7,9 @@
 #include <complex>
 #include <numbers>
 
-#include <rths/controller/filters.hpp>
 #include <rths/core/error.hpp>
-
-#include "transform.hpp"
+#include <rths/maths/fourier.hpp>
+#include <rths/maths/low_pass.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -39,7 +38,7 @@ Index margin_of(Index samples, double cutoff, double time_step) {
   return std::min(settling, samples - 1);
 }
 
-void run(controller::LowPass filter, VectorXd& x) {
+void run(maths::LowPass filter, VectorXd& x) {
   // The filter starts at rest, at the level of the first sample.
   const double level = x[0];
   x.array() -= level;
@@ -50,7 +49,7 @@ void run(controller::LowPass filter, VectorXd& x) {
 constexpr Index kTogether = 4;
 using Together = std::vector<std::array<double, kTogether>>;
 
-void run_together(const controller::LowPass& filter, Together& x) {
+void run_together(const maths::LowPass& filter, Together& x) {
   const auto level = x[0];
   for (auto& samples : x)
     for (std::size_t i = 0; i < kTogether; ++i) samples[i] -= level[i];
@@ -63,7 +62,7 @@ void run_together(const controller::LowPass& filter, Together& x) {
 
 VectorXd low_passed(const VectorXd& signal, int order, double cutoff, double time_step) {
   if (signal.size() < 2) throw Error{"low-pass: expected at least 2 samples"};
-  const controller::LowPass filter{order, cutoff, time_step};
+  const maths::LowPass filter{order, cutoff, time_step};
   const Index margin = margin_of(signal.size(), cutoff, time_step);
   VectorXd x = reflected(signal, margin);
   run(filter, x);
@@ -80,7 +79,7 @@ MatrixXd low_passed_columns(const MatrixXd& signals, int order, double cutoff, d
     return result;
   }
   if (signals.rows() < 2) throw Error{"low-pass: expected at least 2 samples"};
-  const controller::LowPass filter{order, cutoff, time_step};
+  const maths::LowPass filter{order, cutoff, time_step};
   const Index margin = margin_of(signals.rows(), cutoff, time_step);
   Together x(static_cast<std::size_t>(signals.rows() + 2 * margin));
   for (Index first = 0; first < signals.cols(); first += kTogether) {
@@ -183,7 +182,7 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
   if (acceleration.size() != n) throw Error{"fusing motion: the channels differ in length"};
   // A transform is periodic: a quarter more samples lead the end back to the beginning, in both
   // channels, as one motion.
-  const Index margin = fast_length(n + n / 4 + 1) - n;
+  const Index margin = maths::fast_length(n + n / 4 + 1) - n;
   VectorXd u = VectorXd::Zero(n + margin), a = VectorXd::Zero(n + margin);
   u.head(n) = displacement;
   a.head(n) = acceleration;
@@ -200,9 +199,8 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
       a[n + i] = bridge.acceleration(time);
     }
   }
-  Eigen::VectorXcd U, A;
-  transformer().fwd(U, u);
-  transformer().fwd(A, a);
+  Eigen::VectorXcd U = maths::spectrum(u);
+  const Eigen::VectorXcd A = maths::spectrum(a);
   const double period = time_step * static_cast<double>(n + margin);
   const double corner = std::pow(crossover, 4);
   for (Index k = 0; k < U.size(); ++k) {
@@ -213,9 +211,7 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
     U[k] =
         U[k] * (corner / sum) - A[k] * (square / sum / (4 * std::numbers::pi * std::numbers::pi));
   }
-  VectorXd result;
-  transformer().inv(result, U);
-  return result.head(n);
+  return maths::signal_of(U).head(n);
 }
 
 VectorXd AutoRegression::whitened(const VectorXd& signal) const {
@@ -309,18 +305,14 @@ AutoRegression auto_regression(const std::vector<VectorXd>& stretches, int order
 
 Spectrum power_spectrum(const VectorXd& signal, int window, double time_step) {
   if (signal.size() < window) throw Error{"spectrum: the signal is shorter than its window"};
-  VectorXd weight(window);
-  for (int i = 0; i < window; ++i)
-    weight[i] = 0.5 * (1 - std::cos(2 * std::numbers::pi * i / window));
+  const VectorXd weight = maths::hann_window(window, 0);
   const int bins = window / 2 + 1;
   Spectrum spectrum{VectorXd::LinSpaced(bins, 0, 0.5 / time_step), VectorXd::Zero(bins)};
   const double mean = signal.mean();
   int windows = 0;
   for (Index first = 0; first + window <= signal.size(); first += window / 2, ++windows) {
     const VectorXd windowed = (signal.segment(first, window).array() - mean) * weight.array();
-    Eigen::VectorXcd bins_of_window;
-    transformer().fwd(bins_of_window, windowed);
-    spectrum.density += bins_of_window.head(bins).cwiseAbs2();
+    spectrum.density += maths::half_spectrum(windowed).cwiseAbs2();
   }
   spectrum.density *= 2 * time_step / (weight.squaredNorm() * windows);
   spectrum.density[0] /= 2;

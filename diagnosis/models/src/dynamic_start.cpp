@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dynamic_start.hpp"
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 
@@ -28,7 +28,7 @@ VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const Mat
   }
   // State directions with little effect on the outputs stay at rest.
   VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
-  const algebra::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
+  const maths::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
   for (int i = 0; i < kIterations; ++i) {
     const MatrixXd now = predicted(start);
     if (now.rows() < rows) break;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -110,7 +110,7 @@ Moments moments_of(const MatrixXd& a, const MatrixXd& drive, double length) {
   whole.block(0, n, n, w) = drive * length;
   whole.block(n, n + w, w, w).setIdentity();
   whole.block(n + w, n + 2 * w, w, w).setIdentity();
-  const MatrixXd after = algebra::exponential(whole);
+  const MatrixXd after = maths::exponential(whole);
   return {after.topLeftCorner(n, n), after.block(0, n, n, w), after.block(0, n + w, n, w),
           2 * after.block(0, n + 2 * w, n, w)};
 }

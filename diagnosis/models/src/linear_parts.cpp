@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -25,7 +25,7 @@ struct Feedback {
 double static_stiffness(const Feedback& feedback, bool is_sampled, const LinearSystem& system) {
   const Index n = system.a.rows();
   const MatrixXd rate = is_sampled ? MatrixXd{system.a - MatrixXd::Identity(n, n)} : system.a;
-  const algebra::MinimumNormSolver factors{rate};
+  const maths::MinimumNormSolver factors{rate};
   if (factors.rank() < n) return 0;
   const double gain =
       -system.c.row(feedback.output).dot(factors.solve(system.b.col(feedback.input)));

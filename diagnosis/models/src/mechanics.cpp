@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -200,7 +200,7 @@ LinearSystem Mechanics::system(const Matrices& matrices, std::size_t plant_input
   LinearSystem system =
       LinearSystem::zeros(2 * n, static_cast<Index>(plant_inputs),
                           static_cast<Index>(readings.size()), static_cast<Index>(springs.size()));
-  const MatrixXd inverse = algebra::inverse(matrices.mass);
+  const MatrixXd inverse = maths::inverse(matrices.mass);
   system.a.topRightCorner(n, n).setIdentity();
   system.a.bottomLeftCorner(n, n) = -inverse * matrices.stiffness;
   system.a.bottomRightCorner(n, n) = -inverse * matrices.damping;

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 #include "mechanics.hpp"
 
@@ -112,7 +112,7 @@ DynamicModel read_structure(const Config& table) {
   DynamicModel model;
   Mechanics mechanics;
   const MatrixXd mass = read_symmetric(table, "mass", 0);
-  if (mass.rows() == 0 || !algebra::SymmetricFactors{mass}.is_positive_definite())
+  if (mass.rows() == 0 || !maths::SymmetricFactors{mass}.is_positive_definite())
     table.fail("mass", "mass is not positive definite");
   mechanics.masses = mass.rows();
   const MatrixXd stiffness = read_symmetric(table, "stiffness", mass.rows());

@@ -15,6 +15,7 @@
 #include <rths/identification/constants.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/identification/relation_findings.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/models/barred.hpp>
 #include <rths/models/relations.hpp>
 #include <rths/sim/term.hpp>
@@ -40,7 +41,7 @@ void add_lattices(const std::vector<Lattice>& lattices, std::vector<Cause>& caus
     const std::string name = quantisation_of(lattice);
     const auto known = std::find_if(causes.begin(), causes.end(),
                                     [&](const Cause& cause) { return cause.name == name; });
-    const double half = kNormal95 * lattice.deviation;
+    const double half = maths::kNormal95 * lattice.deviation;
     const Estimate step{lattice.role + ".step", lattice.unit, lattice.step, lattice.step - half,
                         lattice.step + half};
     if (known != causes.end()) {

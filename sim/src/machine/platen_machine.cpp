@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::sim::machine {
 
@@ -36,7 +36,7 @@ Vector6 natural_frequencies(const PlatenMachine& m) {
   Vector6 root;
   root << m.mass.cwiseSqrt().cwiseInverse(), m.inertia.cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = root.asDiagonal() * K * root.asDiagonal();
-  const Eigen::VectorXd squares = algebra::symmetric_modes(scaled).values;
+  const Eigen::VectorXd squares = maths::symmetric_modes(scaled).values;
   return squares.cwiseMax(0).cwiseSqrt() / (2 * std::numbers::pi);
 }
 

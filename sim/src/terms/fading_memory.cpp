@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 namespace rths::sim {
 namespace {
@@ -39,8 +39,8 @@ std::vector<FadingExponential> fading_exponentials(double power, double shortest
   Eigen::VectorXd share;
   // Least squares, repeated without the rate of the most negative weight until none is negative.
   while (true) {
-    share = algebra::solve_least_squares(shares(times, rates, power),
-                                         Eigen::VectorXd{Eigen::VectorXd::Ones(kFitTimes)});
+    share = maths::solve_least_squares(shares(times, rates, power),
+                                       Eigen::VectorXd{Eigen::VectorXd::Ones(kFitTimes)});
     Eigen::Index worst = 0;
     if (share.minCoeff(&worst) >= 0) break;
     rates.erase(rates.begin() + worst);

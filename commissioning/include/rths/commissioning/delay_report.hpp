@@ -4,10 +4,10 @@
 #include <string>
 #include <vector>
 
-#include <rths/controller/delay.hpp>
-#include <rths/controller/tracking.hpp>
+#include <rths/maths/bands.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/tracking.hpp>
 #include <rths/recording/recording.hpp>
-#include <rths/report/bands.hpp>
 
 namespace rths::commissioning {
 
@@ -22,11 +22,11 @@ struct DelayQuestion {
 
 /// Tracking in one window.
 struct WindowTracking {
-  double begin = 0;                  ///< since the run began [s]
-  controller::DelayFit fit;          ///< delay and gain of the best shape
-  controller::DelayFit nearest;      ///< delay of the smallest RMS difference
-  controller::FrequencyIndex index;  ///< phase and amplitude at the target's frequencies
-  controller::TrackingError error;   ///< over the window
+  double begin = 0;             ///< since the run began [s]
+  maths::DelayFit fit;          ///< delay and gain of the best shape
+  maths::DelayFit nearest;      ///< delay of the smallest RMS difference
+  maths::FrequencyIndex index;  ///< phase and amplitude at the target's frequencies
+  maths::TrackingError error;   ///< over the window
 };
 
 /// Tracking of a pair of signals.
@@ -35,7 +35,7 @@ struct PairTracking {
   std::string target, measured;         ///< names of the signals
   WindowTracking whole;                 ///< the whole recording
   std::vector<WindowTracking> windows;  ///< in which the target moves
-  std::vector<report::BandTracking> bands;
+  std::vector<maths::BandTracking> bands;
 
   [[nodiscard]] double median_delay() const;   ///< of the windows [s]
   [[nodiscard]] double largest_delay() const;  ///< by magnitude, with its sign [s]

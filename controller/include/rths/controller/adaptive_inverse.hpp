@@ -6,6 +6,7 @@
 
 #include <rths/controller/inverse_lead.hpp>
 #include <rths/core/realtime.hpp>
+#include <rths/maths/low_pass.hpp>
 
 namespace rths::controller {
 
@@ -72,8 +73,8 @@ class AdaptiveInverse {
   Terms right_side_ = Terms::Zero();
   InverseLead lead_;
   std::array<Channels, 3> machine_;  ///< G: value, rate and second rate of each channel
-  std::vector<LowPass> filters_;
-  LowPass error_filter_;
+  std::vector<maths::LowPass> filters_;
+  maths::LowPass error_filter_;
   double last_target_ = 0, last_measured_ = 0, last_force_ = 0;
   double mean_square_speed_ = 0;
   long tick_ = 0, bad_samples_ = 0, clipped_ = 0, pause_ = 0;

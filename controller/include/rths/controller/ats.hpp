@@ -8,6 +8,7 @@
 
 #include <rths/controller/filters.hpp>
 #include <rths/core/realtime.hpp>
+#include <rths/maths/low_pass.hpp>
 
 namespace rths::controller {
 
@@ -68,7 +69,7 @@ class Ats {
   void adapt_coefficients() noexcept;
 
   AtsSettings settings_;
-  LowPass command_filter_, response_filter_;
+  maths::LowPass command_filter_, response_filter_;
   MovingAverage smoothing_;
   std::vector<Sample> samples_;  ///< the window, a ring buffer
   std::size_t next_ = 0;         ///< index of the next sample to overwrite

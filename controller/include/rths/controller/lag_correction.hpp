@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include <rths/controller/filters.hpp>
 #include <rths/core/realtime.hpp>
+#include <rths/maths/low_pass.hpp>
 
 namespace rths::controller {
 
@@ -47,7 +47,7 @@ class LagCorrection {
   Eigen::Vector3d side_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d estimate_;
   std::optional<Eigen::Vector2d> first_ = std::nullopt;  ///< command and measurement [N]
-  LowPass remainder_;
+  maths::LowPass remainder_;
   double last_command_ = 0, corrected_ = 0;
 };
 

@@ -8,8 +8,8 @@
 
 #include <rths/commissioning/loop_stability.hpp>
 #include <rths/commissioning/signal_check.hpp>
-#include <rths/controller/delay.hpp>
 #include <rths/launch/run.hpp>
+#include <rths/maths/delay.hpp>
 #include <rths/report/judgement.hpp>
 
 namespace rths::session {
@@ -33,12 +33,12 @@ struct AxisPrediction {
   double machine_delay = 0;      ///< of its displacement behind its reference [s]
   double peak = 0;               ///< of the purely numerical response [m]
   std::vector<commissioning::AmplitudeMargin>
-      margins;                         ///< by rising amplitude, up to the peak; empty: unknown
-  double ringing = 0;                  ///< largest amplitude at which the loop is unstable [m]
-  std::vector<double> differences;     ///< of the responses, RMS over that of the test: of each
-                                       ///< run with the noise of another seed [-]
-  double delay = 0;                    ///< of the measured displacement behind the command [s]
-  controller::TrackingError tracking;  ///< of it
+      margins;                      ///< by rising amplitude, up to the peak; empty: unknown
+  double ringing = 0;               ///< largest amplitude at which the loop is unstable [m]
+  std::vector<double> differences;  ///< of the responses, RMS over that of the test: of each
+                                    ///< run with the noise of another seed [-]
+  double delay = 0;                 ///< of the measured displacement behind the command [s]
+  maths::TrackingError tracking;    ///< of it
 
   [[nodiscard]] double difference() const;  ///< the mean of the runs; 0 without a run [-]
 };

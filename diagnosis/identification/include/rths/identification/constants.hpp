@@ -12,7 +12,6 @@
 namespace rths::diagnosis {
 
 // ---- Distributions
-inline constexpr double kNormal95 = 1.96;  ///< [-] two-sided quantile of a normal distribution
 /// [-] 95 % quantiles of chi-square, from 1 degree of freedom on
 inline constexpr std::array kChiSquare95{3.841,  5.991,  7.815,  9.488,
                                          11.070, 12.592, 14.067, 15.507};

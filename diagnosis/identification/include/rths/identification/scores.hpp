@@ -49,7 +49,5 @@ namespace rths::diagnosis {
 /// Sums of resampled blocks: a block bootstrap of the records, each block with its neighbours.
 [[nodiscard]] std::vector<double> resampled_sums(const std::vector<double>& blocks,
                                                  std::uint64_t seed);
-/// @param share  0 … 1   @return 0 if there are no values
-[[nodiscard]] double quantile(std::vector<double> values, double share);
 
 }  // namespace rths::diagnosis

@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/controller/robust_covariance.hpp>
-#include <rths/controller/tracking.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/robust_covariance.hpp>
+#include <rths/maths/tracking.hpp>
 
-namespace rths::controller {
+namespace rths::maths {
 namespace {
 
 constexpr double kTrackingStep = 0.001, kTrackingSearch = 0.2;
@@ -185,4 +185,4 @@ TEST(RobustCovariance, IsThatOfOrdinaryLeastSquaresForWhiteResiduals) {
 }
 
 }  // namespace
-}  // namespace rths::controller
+}  // namespace rths::maths

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace rths::controller {
+namespace rths::maths {
 
 /// A measured signal as its reference, late and scaled: m(t) = g r(t − τ) + c + e(t), fitted by
 /// least squares. With a free gain, τ is also the lag of the largest cross-correlation.
@@ -59,4 +59,4 @@ struct Window {
 [[nodiscard]] std::vector<Window> moving_windows(std::span<const double> reference,
                                                  std::size_t length, double least_rms);
 
-}  // namespace rths::controller
+}  // namespace rths::maths

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Decompositions against their defining equations. Tolerances: the condition number of the matrices
 // is below 1e3, so errors stay below 1e3 times the rounding of a double, 2.2e-16.
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Core>
 
-namespace rths::algebra {
+namespace rths::maths {
 namespace {
 
 using Eigen::MatrixXd;
@@ -110,4 +110,4 @@ TEST(Exponential, OfARotationIsCosineAndSine) {
 }
 
 }  // namespace
-}  // namespace rths::algebra
+}  // namespace rths::maths

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace rths::controller {
+namespace rths::maths {
 
 /// Delay of a measured signal behind its reference.
 struct DelayIdentification {
@@ -34,4 +34,4 @@ struct TrackingError {
 [[nodiscard]] TrackingError tracking_error(std::span<const double> reference,
                                            std::span<const double> measured);
 
-}  // namespace rths::controller
+}  // namespace rths::maths

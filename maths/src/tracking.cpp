@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/controller/tracking.hpp>
+#include <rths/maths/tracking.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -7,33 +7,21 @@
 #include <numbers>
 
 #include <Eigen/Core>
-#include <unsupported/Eigen/FFT>
 
-#include <rths/algebra/decompositions.hpp>
-#include <rths/controller/delay.hpp>
-#include <rths/controller/robust_covariance.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/fourier.hpp>
+#include <rths/maths/robust_covariance.hpp>
+#include <rths/maths/statistics.hpp>
 
-namespace rths::controller {
+namespace rths::maths {
 namespace {
 
 constexpr int kMostFitIterations = 30;
 constexpr double kFitConverged = 1e-6;  // samples
 // Most lags of the correlation of a residual, as a fraction of a record.
 constexpr double kLagFraction = 0.1;
-
-double mean_of(std::span<const double> values) {
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return sum / static_cast<double>(values.size());
-}
-
-double deviation_of(std::span<const double> values) {
-  const double middle = mean_of(values);
-  double sum = 0;
-  for (const double value : values) sum += (value - middle) * (value - middle);
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 /// Value and rate per sample of a signal between its samples: the cubic through four neighbours.
 struct Between {
@@ -77,21 +65,16 @@ FitRows fit_rows(std::span<const double> reference, std::span<const double> meas
   return rows;
 }
 
+// Of the varying part, in a Hann window.
 Eigen::VectorXcd spectrum_of(std::span<const double> values) {
   const auto size = static_cast<Eigen::Index>(values.size());
-  const double middle = mean_of(values);
   Eigen::Index length = 1;
   while (length < size) length *= 2;
   Eigen::VectorXd padded = Eigen::VectorXd::Zero(length);
-  for (Eigen::Index i = 0; i < size; ++i)
-    padded[i] = (values[static_cast<std::size_t>(i)] - middle) *
-                (1 - std::cos(2 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
-                              static_cast<double>(size)));
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  Eigen::VectorXcd spectrum;
-  fft.fwd(spectrum, padded);
-  return spectrum;
+  padded.head(size) =
+      (Eigen::Map<const Eigen::ArrayXd>{values.data(), size} - mean(values)).matrix();
+  padded.head(size).array() *= hann_window(size, 0.5).array();
+  return half_spectrum(padded);
 }
 
 // Two-sided 95 % quantile of Student's distribution: first terms of the expansion by 1/ν.
@@ -117,7 +100,7 @@ DelayFit fit_delay(std::span<const double> reference, std::span<const double> me
   FitRows rows;
   for (int i = 0; i < kMostFitIterations; ++i) {
     rows = fit_rows(reference, measured, reach, {delay, fit.gain, fit.offset}, rule);
-    const Eigen::VectorXd change = algebra::solve_least_squares(rows.jacobian, rows.residual);
+    const Eigen::VectorXd change = solve_least_squares(rows.jacobian, rows.residual);
     const double step = std::clamp(change[0], -1.0, 1.0);
     delay = std::clamp(delay + step, -limit, limit);
     fit.offset += change[1];
@@ -185,9 +168,9 @@ std::vector<Window> moving_windows(std::span<const double> reference, std::size_
   std::vector<Window> windows;
   if (length < 2) return windows;
   for (std::size_t begin = 0; begin + length <= reference.size(); begin += length / 2)
-    if (deviation_of(reference.subspan(begin, length)) >= least_rms)
+    if (deviation(reference.subspan(begin, length)) >= least_rms)
       windows.push_back({begin, length});
   return windows;
 }
 
-}  // namespace rths::controller
+}  // namespace rths::maths

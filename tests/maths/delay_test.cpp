@@ -5,11 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/controller/delay.hpp>
+#include <rths/maths/delay.hpp>
 
 #include "support/files.hpp"
 
-namespace rths::controller {
+namespace rths::maths {
 namespace {
 
 constexpr double kStep = 0.001;
@@ -90,4 +90,4 @@ TEST(TrackingError, IsMeasuredAgainstTheLargestReference) {
 }
 
 }  // namespace
-}  // namespace rths::controller
+}  // namespace rths::maths

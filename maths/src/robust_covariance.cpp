@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/controller/robust_covariance.hpp>
+#include <rths/maths/robust_covariance.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include <rths/algebra/decompositions.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/decompositions.hpp>
+#include <rths/maths/statistics.hpp>
 
-namespace rths::controller {
+namespace rths::maths {
 
 Eigen::MatrixXd robust_covariance(const Eigen::MatrixXd& jacobian, const Eigen::VectorXd& residual,
                                   Eigen::Index lags) {
@@ -17,7 +18,7 @@ Eigen::MatrixXd robust_covariance(const Eigen::MatrixXd& jacobian, const Eigen::
   if (rows <= parameters || !(size.minCoeff() > 0))
     throw Error{"least squares: the record does not determine every parameter"};
   const Eigen::MatrixXd scaled = jacobian * size.cwiseInverse().asDiagonal();
-  const algebra::SymmetricFactors factors{scaled.transpose() * scaled};
+  const SymmetricFactors factors{scaled.transpose() * scaled};
   if (!factors.is_positive_definite() || factors.smallest_pivot() < 1e-12)
     throw Error{"least squares: the record does not determine every parameter"};
   const Eigen::MatrixXd score = residual.asDiagonal() * scaled;
@@ -53,4 +54,4 @@ Eigen::Index correlated_lags(const Eigen::VectorXd& residual, Eigen::Index most)
   return std::min(2 * lag, most);
 }
 
-}  // namespace rths::controller
+}  // namespace rths::maths

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <rths/report/bands.hpp>
+#include <rths/maths/bands.hpp>
 
-namespace rths::report {
+namespace rths::maths {
 namespace {
 
 constexpr double kInterval = 1e-3;   // [s]
@@ -183,4 +183,4 @@ TEST(Coherence, IsEmptyInARecordTooShortToAverage) {
 }
 
 }  // namespace
-}  // namespace rths::report
+}  // namespace rths::maths

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/algebra/decompositions.hpp>
+#include <rths/maths/decompositions.hpp>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <unsupported/Eigen/MatrixFunctions>
 
-namespace rths::algebra {
+namespace rths::maths {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -63,4 +63,4 @@ Modes generalized_modes(const MatrixXd& k, const MatrixXd& m) {
 
 MatrixXd exponential(const MatrixXd& a) { return a.exp(); }
 
-}  // namespace rths::algebra
+}  // namespace rths::maths

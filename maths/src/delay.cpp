@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/controller/delay.hpp>
+#include <rths/maths/delay.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <rths/core/error.hpp>
 
-namespace rths::controller {
+namespace rths::maths {
 namespace {
 
 struct Overlap {
@@ -108,4 +108,4 @@ TrackingError tracking_error(std::span<const double> reference, std::span<const 
   return {rms, rms / largest, peak / largest};
 }
 
-}  // namespace rths::controller
+}  // namespace rths::maths

@@ -7,7 +7,7 @@
 
 /// Decompositions of dense matrices of run-time size, compiled once: instantiating one of Eigen's
 /// costs each source that uses it 3 to 10 s. All functions allocate.   @setup
-namespace rths::algebra {
+namespace rths::maths {
 
 /// x of A x = b by LDLᵀ with pivoting. @param a  symmetric, semi-definite, n × n
 [[nodiscard]] Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
@@ -63,4 +63,4 @@ struct Modes {
 /// exp(A) by scaling and squaring with Padé approximants (Higham 2005).
 [[nodiscard]] Eigen::MatrixXd exponential(const Eigen::MatrixXd& a);
 
-}  // namespace rths::algebra
+}  // namespace rths::maths

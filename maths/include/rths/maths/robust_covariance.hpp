@@ -3,10 +3,7 @@
 
 #include <Eigen/Core>
 
-namespace rths::controller {
-
-/// Half width of a two-sided 95 % interval over the standard deviation, normal distribution [-].
-inline constexpr double kHalfWidth95 = 1.959964;
+namespace rths::maths {
 
 /// A value and the half width of its 95 % interval, in the same unit.
 struct Estimate {
@@ -28,4 +25,4 @@ struct Estimate {
 /// Correlation of a signal with itself `lag` samples later, about its mean [-].   @setup
 [[nodiscard]] double autocorrelation(const Eigen::VectorXd& signal, Eigen::Index lag);
 
-}  // namespace rths::controller
+}  // namespace rths::maths

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/report/bands.hpp>
+#include <rths/maths/bands.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -7,9 +7,10 @@
 #include <iterator>
 
 #include <Eigen/Core>
-#include <unsupported/Eigen/FFT>
 
-namespace rths::report {
+#include <rths/maths/fourier.hpp>
+
+namespace rths::maths {
 namespace {
 
 constexpr double kEdges[] = {0, 1, 3, 6, 11, 25};  // of the bands [Hz]; the last one is open
@@ -17,14 +18,6 @@ constexpr double kLeastCommand = 1e-3;  // of its largest magnitude: less is los
 constexpr double kSegment = 4;          // [s]: resolves 0.25 Hz
 constexpr std::size_t kLeastSegments = 3;
 constexpr int kRefinements = 4;  // of a delay: each is exact if the band is narrow
-
-Eigen::VectorXcd fourier(const Eigen::VectorXd& values) {
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  Eigen::VectorXcd spectrum;
-  fft.fwd(spectrum, values);
-  return spectrum;
-}
 
 // Mean square of a signal by frequency; the sum over all frequencies is that of the signal.
 class Energy {
@@ -36,12 +29,13 @@ class Energy {
     Eigen::VectorXd padded = Eigen::VectorXd::Zero(length);
     padded.head(values.size()) = values;
     spacing_ = 1 / (static_cast<double>(length) * interval);
-    power_ = fourier(padded).cwiseAbs2() * 2;
+    power_ = half_spectrum(padded).cwiseAbs2() * 2;
     power_[0] /= 2;
     power_[power_.size() - 1] /= 2;
     power_ /= static_cast<double>(length) * static_cast<double>(values.size());
   }
-  [[nodiscard]] double rms(double from, double to) const {
+  // RMS of the part in a band.
+  [[nodiscard]] double size(double from, double to) const {
     double sum = 0;
     for (Eigen::Index i = 0; i < power_.size(); ++i) {
       const double frequency = static_cast<double>(i) * spacing_;
@@ -66,8 +60,8 @@ class AveragedSpectra {
         Eigen::ArrayXd::LinSpaced(length, 0, 2 * M_PI * (1 - 1 / static_cast<double>(length)));
     const Eigen::ArrayXd window = (1 - phase.cos()) / 2;
     for (Eigen::Index begin = 0; begin + length <= command.size(); begin += length / 2)
-      add(fourier(command.segment(begin, length).array() * window),
-          fourier(measured.segment(begin, length).array() * window));
+      add(half_spectrum(command.segment(begin, length).array() * window),
+          half_spectrum(measured.segment(begin, length).array() * window));
   }
   [[nodiscard]] bool is_averaged() const { return segments_ >= kLeastSegments; }
   // RMS of the command in a band. The window suppresses leakage from other bands.
@@ -177,10 +171,10 @@ std::vector<BandTracking> track_bands(const std::vector<double>& command,
     band.from = kEdges[i];
     band.to = is_last ? highest : kEdges[i + 1];
     const double end = is_last ? 2 * highest : band.to;  // includes the highest frequency
-    band.command =
-        (spectra.is_averaged() ? spectra.command_rms(band.from, end) : energy.rms(band.from, end)) /
-        largest;
-    band.nrms = error.rms(band.from, end) / largest;
+    band.command = (spectra.is_averaged() ? spectra.command_rms(band.from, end)
+                                          : energy.size(band.from, end)) /
+                   largest;
+    band.nrms = error.size(band.from, end) / largest;
     if (band.command >= kLeastCommand && spectra.is_averaged())
       band.response = spectra.response(band.from, end, delay);
     bands.push_back(band);
@@ -188,4 +182,4 @@ std::vector<BandTracking> track_bands(const std::vector<double>& command,
   return bands;
 }
 
-}  // namespace rths::report
+}  // namespace rths::maths

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-namespace rths::report {
+namespace rths::maths {
 
 /// Tracking in a band of frequencies.
 struct BandTracking {
@@ -43,4 +43,4 @@ struct Coherence {
 [[nodiscard]] Coherence coherence_of(const std::vector<double>& command,
                                      const std::vector<double>& measured, double interval);
 
-}  // namespace rths::report
+}  // namespace rths::maths
