@@ -5,9 +5,7 @@
 
 namespace rths::adapters {
 
-using experiment::Experiment;
-using experiment::NodeContext;
-using experiment::NodeSettings;
+using namespace experiment;
 
 NodeSettings read_echo(const std::string& /*node*/, const Config& table,
                        const Experiment& /*setup*/) {

@@ -20,9 +20,7 @@ namespace {
 using adapters::Adapter;
 using adapters::Port;
 using adapters::StepData;
-using experiment::Experiment;
-using experiment::NodeContext;
-using experiment::NodeSettings;
+using namespace experiment;
 
 constexpr double kShortestPeriod = 1e-5, kLongestPeriod = 1;  // of a node [s]
 

@@ -4,10 +4,7 @@
 
 namespace rths::adapters {
 
-using experiment::Experiment;
-using experiment::NodeContext;
-using experiment::NodeSettings;
-using experiment::Role;
+using namespace experiment;
 
 namespace {
 

@@ -16,10 +16,7 @@
 namespace rths::plugin {
 namespace {
 
-using experiment::Experiment;
-using experiment::NodeContext;
-using experiment::NodeSettings;
-using experiment::Role;
+using namespace experiment;
 
 /// A role of a plugin, with the schedule of the built-in adapters of this role [s].
 struct PluginRole {

@@ -15,9 +15,7 @@
 
 namespace rths::adapters {
 
-using experiment::Experiment;
-using experiment::NodeContext;
-using experiment::NodeSettings;
+using namespace experiment;
 
 namespace {
 

@@ -12,11 +12,7 @@
 
 namespace rths::adapters {
 
-using experiment::Experiment;
-using experiment::MachineTable;
-using experiment::NodeContext;
-using experiment::NodeSettings;
-using experiment::read_late_inputs;
+using namespace experiment;
 
 namespace {
 
