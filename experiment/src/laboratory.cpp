@@ -47,4 +47,57 @@ void read_laboratory(const Config& file, const std::string& improvement, Experim
     experiment.config.emplace_back(recording::kSpecimenText, experiment.model.specimen);
 }
 
+namespace {
+
+// One number for both axes, or [long, lat].
+void read_pair(const Config& table, const std::string& key, double sim::ServoAxis::*member,
+               std::array<sim::ServoAxis, sim::kHorizontalAxes>& axes) {
+  if (!table.has(key)) return;
+  const auto values = table.numbers(key);
+  if (values.size() != axes.size())
+    table.fail(key,
+               key + " has " + std::to_string(values.size()) + " numbers, expected [long, lat]");
+  for (std::size_t i = 0; i < axes.size(); ++i) axes[i].*member = values[i];
+}
+
+}  // namespace
+
+std::span<const MachineKey> machine_keys() {
+  static constexpr MachineKey kKeys[] = {{"position_gain_per_s", &sim::ServoAxis::position_gain},
+                                         {"pressure_gain", &sim::ServoAxis::pressure_gain},
+                                         {"pressure_washout_Hz", &sim::ServoAxis::pressure_washout},
+                                         {"valve_frequency_Hz", &sim::ServoAxis::valve_frequency},
+                                         {"valve_damping", &sim::ServoAxis::valve_damping},
+                                         {"dead_band", &sim::ServoAxis::dead_band},
+                                         {"rated_flow_m3_per_s", &sim::ServoAxis::rated_flow},
+                                         {"piston_area_m2", &sim::ServoAxis::piston_area},
+                                         {"oil_volume_m3", &sim::ServoAxis::oil_volume},
+                                         {"bulk_modulus_Pa", &sim::ServoAxis::bulk_modulus},
+                                         {"leakage_m3_per_Pa_s", &sim::ServoAxis::leakage},
+                                         {"transport_delay_s", &sim::ServoAxis::transport_delay},
+                                         {"effective_mass_kg", &sim::ServoAxis::effective_mass},
+                                         {"force_offset_N", &sim::ServoAxis::force_offset}};
+  return kKeys;
+}
+
+sim::TestMachine read_machine(const Config& changes) {
+  const Config table = sim::srmd_terms().overlaid(changes);
+  sim::TestMachine machine = sim::srmd_machine();
+  auto& axes = machine.axes;
+  for (const auto& [key, member] : machine_keys()) read_pair(table, key, member, axes);
+  auto& noise = machine.noise;
+  noise.displacement = table.number_in("displacement_noise_m", 0, 1, noise.displacement);
+  noise.force = table.number_in("force_noise_N", 0, 1e9, noise.force);
+  noise.acceleration = table.number_in("acceleration_noise_m_per_s2", 0, 1e3, noise.acceleration);
+  machine.has_specimen = !table.flag("empty_table", false);
+  machine.has_rollers = table.flag("rollers", false);
+  if (machine.has_rollers && machine.has_specimen)
+    table.fail(
+        "rollers",
+        "rollers is true, but empty_table is false: a table carries either rollers or a specimen");
+  machine.terms = sim::read_terms(table, sim::TermOwner::Machine);
+  table.reject_unknown_keys();
+  return machine;
+}
+
 }  // namespace rths::experiment

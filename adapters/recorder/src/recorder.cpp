@@ -12,6 +12,7 @@
 
 #include <rths/controller/safety_states.hpp>
 #include <rths/core/error.hpp>
+#include <rths/experiment/experiment.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::adapters {
@@ -193,6 +194,38 @@ std::vector<Port> recorder_monitors() { return {{"lost_rows", Direction::Monitor
 
 std::unique_ptr<Adapter> make_recorder(const memmap::Map& map, const RecorderSettings& settings) {
   return std::make_unique<Recorder>(map, settings);
+}
+
+using namespace experiment;
+
+namespace {
+
+constexpr double kRowPeriod = 1e-3;  // [s]
+constexpr double kOverhang = 0.2;    // recorded after the other nodes came to rest [s]
+
+std::unique_ptr<Adapter> make(const Experiment& setup, const NodeContext& context) {
+  RecorderSettings settings;
+  settings.file = context.recording;
+  settings.info = {context.config, context.meta, {}};
+  for (const auto& [node, period] : context.periods)
+    settings.info.steps_per_row[node] = to_seconds(context.period) / to_seconds(period);
+  settings.own_thread = !context.is_virtual;
+  settings.period = to_seconds(context.period);
+  settings.linger = setup.stop.retreat.hold + setup.stop.retreat.ramp + kOverhang;
+  settings.longest = setup.stop.longest + 2 * kOverhang;
+  return make_recorder(context.map, settings);
+}
+
+}  // namespace
+
+NodeSettings read_recorder(const std::string& /*node*/, const Config& /*table*/,
+                           const Experiment& /*setup*/) {
+  NodeSettings settings;
+  settings.role = Role::Recorder;
+  settings.schedule = schedule_of(kRowPeriod, 0.8 * kRowPeriod);
+  settings.monitors = recorder_monitors;
+  settings.make = make;
+  return settings;
 }
 
 }  // namespace rths::adapters
