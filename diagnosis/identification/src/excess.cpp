@@ -170,7 +170,8 @@ class Whitening {
         density += transformed(draw.col(output), output).cwiseAbs2() / (rows * draws);
       density = neighbours_mean(density, std::max<Index>(1, length_ / kAmplitudeSmoothing));
       // Where the noise has hardly any energy, its colour is not known.
-      const double least = kLeastAmplitude * kLeastAmplitude * maths::median(density);
+      const double least = kLeastAmplitude * kLeastAmplitude *
+                           maths::median(std::vector<double>(density.begin(), density.end()));
       if (least > 0)
         amplitudes_.emplace_back(density.cwiseMax(least).cwiseSqrt());
       else
