@@ -39,6 +39,14 @@ TEST_F(ClosedLoop, ReproducesARunWithoutNoiseFromTheTrueLaboratory) {
     EXPECT_GT(difference(closed_loop(hybrid, kAll & ~only(part))), 4e-4) << name_of(part);
 }
 
+// The untested axis is at rest and gives no force.
+TEST_F(ClosedLoop, ReproducesARunAlongOneAxis) {
+  make(false, {{"axes", "[\"long\"]"}});
+  const Response response = closed_loop(hybrid, kAll);
+  EXPECT_LT(apart(measured[0], response[0]), 1e-4);
+  for (const double x : response[1]) EXPECT_EQ(x, 0);
+}
+
 // The controller waits for the accelerometer with force and displacement.
 TEST_F(ClosedLoop, ReproducesLateSensors) {
   const auto constants = temporary.write("constants.toml",
