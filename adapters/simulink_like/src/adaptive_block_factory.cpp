@@ -14,16 +14,23 @@ Block make_adaptive_inverse(const Config& table, const BlockContext& context) {
     block_kind.compensators.push_back(
         table.placed("name", [&] { return controller::AdaptiveInverse{settings}; }));
   Block block;
-  block.inputs = {{"command", kPerAxis, "m"},
-                  {"measured", kPerAxis, "m"},
-                  {"force", kPerAxis, "N"},
-                  {"lost_time", kSingle, "s", true},
-                  {"is_force_ahead", kSingle, "1", true}};
-  block.outputs = {
-      {"reference", kPerAxis, "m"}, {"a0", kPerAxis, "1"},        {"a1", kPerAxis, "s"},
-      {"a2", kPerAxis, "s2"},       {"a3", kPerAxis, ""},         {"load", kPerAxis, ""},
-      {"load_rate", kPerAxis, ""},  {"dead_band", kPerAxis, "m"}, {"flow_loss", kPerAxis, "s"},
-      {"learning", kPerAxis, "1"},  {"clipped", kPerAxis, "1"},   {"bad_samples", kPerAxis, "1"}};
+  block.inputs = ports<AdaptiveInverseBlock::In::kCount>({{"command", kPerAxis, "m"},
+                                                          {"measured", kPerAxis, "m"},
+                                                          {"force", kPerAxis, "N"},
+                                                          {"lost_time", kSingle, "s", true},
+                                                          {"is_force_ahead", kSingle, "1", true}});
+  block.outputs = ports<AdaptiveInverseBlock::Out::kCount>({{"reference", kPerAxis, "m"},
+                                                            {"a0", kPerAxis, "1"},
+                                                            {"a1", kPerAxis, "s"},
+                                                            {"a2", kPerAxis, "s2"},
+                                                            {"a3", kPerAxis, ""},
+                                                            {"load", kPerAxis, ""},
+                                                            {"load_rate", kPerAxis, ""},
+                                                            {"dead_band", kPerAxis, "m"},
+                                                            {"flow_loss", kPerAxis, "s"},
+                                                            {"learning", kPerAxis, "1"},
+                                                            {"clipped", kPerAxis, "1"},
+                                                            {"bad_samples", kPerAxis, "1"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = std::move(block_kind);
@@ -38,15 +45,15 @@ Block make_table_force_observer(const Config& table, const BlockContext& context
       return controller::TableForceObserver{machine, settings.observer};
     }));
   Block block;
-  block.inputs = {{"displacement", kPerAxis, "m"},
-                  {"acceleration", kPerAxis, "m/s2"},
-                  {"force", kPerAxis, "N"},
-                  {"axial_load", kSingle, "N", true}};
-  block.outputs = {{"force", kPerAxis, "N"},
-                   {"velocity", kPerAxis, "m/s"},
-                   {"machine_force", kPerAxis, "N"},
-                   {"bad_samples", kPerAxis, "1"},
-                   {"displacement", kPerAxis, "m"}};
+  block.inputs = ports<TableForceObserverBlock::In::kCount>({{"displacement", kPerAxis, "m"},
+                                                             {"acceleration", kPerAxis, "m/s2"},
+                                                             {"force", kPerAxis, "N"},
+                                                             {"axial_load", kSingle, "N", true}});
+  block.outputs = ports<TableForceObserverBlock::Out::kCount>({{"force", kPerAxis, "N"},
+                                                               {"velocity", kPerAxis, "m/s"},
+                                                               {"machine_force", kPerAxis, "N"},
+                                                               {"bad_samples", kPerAxis, "1"},
+                                                               {"displacement", kPerAxis, "m"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   block.kind = std::move(observer);
   return block;
@@ -61,18 +68,22 @@ Block make_target_force(const Config& table, const BlockContext& context) {
     if (settings.lead_time > 0 && !inputs.has(input))
       table.fail("lead_time_s", std::string{"lead_time_s needs the input '"} + input + "'");
   Block block;
-  block.inputs = {{"target", kPerAxis, "m"},
-                  {"displacement", kPerAxis, "m"},
-                  {"acceleration", kPerAxis, "m/s2"},
-                  {"force", kPerAxis, "N"},
-                  {"command", kPerAxis, "m", true},
-                  {"command_velocity", kPerAxis, "m/s", true},
-                  {"command_acceleration", kPerAxis, "m/s2", true},
-                  {"axial_load", kSingle, "N", true}};
-  block.outputs = {{"force", kPerAxis, "N"},      {"correction", kPerAxis, "N"},
-                   {"strength", kSingle, "N"},    {"learning", kSingle, "1"},
-                   {"bad_samples", kSingle, "1"}, {"ahead", kPerAxis, "N"},
-                   {"is_ahead", kSingle, "1"}};
+  block.inputs =
+      ports<TargetForceBlock::In::kCount>({{"target", kPerAxis, "m"},
+                                           {"displacement", kPerAxis, "m"},
+                                           {"acceleration", kPerAxis, "m/s2"},
+                                           {"force", kPerAxis, "N"},
+                                           {"command", kPerAxis, "m", true},
+                                           {"command_velocity", kPerAxis, "m/s", true},
+                                           {"command_acceleration", kPerAxis, "m/s2", true},
+                                           {"axial_load", kSingle, "N", true}});
+  block.outputs = ports<TargetForceBlock::Out::kCount>({{"force", kPerAxis, "N"},
+                                                        {"correction", kPerAxis, "N"},
+                                                        {"strength", kSingle, "N"},
+                                                        {"learning", kSingle, "1"},
+                                                        {"bad_samples", kSingle, "1"},
+                                                        {"ahead", kPerAxis, "N"},
+                                                        {"is_ahead", kSingle, "1"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {

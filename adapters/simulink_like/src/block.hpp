@@ -35,11 +35,13 @@ struct ParameterSpec {
 };
 
 /// All block types. Ring inputs and outputs do nothing in `step`: the diagram copies their values.
-using BlockKind = std::variant<
-    RingInput, RingOutput, Constant, ClockBlock, Sine, Gain, Sum, Saturation, RateLimiter, Switch,
-    UnitDelay, TransportDelay, Derivative, LowPassBlock, MovingAverageBlock, RemoveOffset,
-    PredictorCorrectorBlock, AtsBlock, AdaptiveInverseBlock, FeedForwardBlock, ForceObserverBlock,
-    TableForceObserverBlock, TargetForceBlock, VerticalForceBlock, LagCorrectionBlock, Stop>;
+using BlockKind =
+    std::variant<RingInput, RingOutput, Constant, ClockBlock, SineBlock, GainBlock, SumBlock,
+                 SaturationBlock, RateLimiter, Switch, UnitDelay, TransportDelay, Derivative,
+                 LowPassBlock, MovingAverageBlock, RemoveOffset, PredictorCorrectorBlock, AtsBlock,
+                 AdaptiveInverseBlock, FeedForwardBlock, ForceObserverBlock,
+                 TableForceObserverBlock, TargetForceBlock, VerticalForceBlock, LagCorrectionBlock,
+                 Stop>;
 
 struct Block {
   std::string name;

@@ -87,7 +87,7 @@ Block make_sine(const Config& table, const BlockContext&) {
   add_parameter(block, table, "amplitude", unit, 1);
   add_parameter(block, table, "frequency_Hz", "Hz", 1);
   block.outputs = {{"out", kPerAxis, unit}};
-  block.kind = Sine{};
+  block.kind = SineBlock{};
   return block;
 }
 
@@ -102,7 +102,7 @@ Block through(BlockKind kind) {
 
 Block make_gain(const Config& table, const BlockContext&) {
   const bool is_single = table.flag("single", false);
-  Block block = through(Gain{is_single});
+  Block block = through(GainBlock{is_single});
   block.inputs[0].per_axis = block.outputs[0].per_axis = !is_single;
   block.outputs[0].unit = stated_unit(table);
   add_parameter(block, table, "gain", "1", 1);
@@ -111,7 +111,7 @@ Block make_gain(const Config& table, const BlockContext&) {
 
 Block make_sum(const Config& table, const BlockContext&) {
   const std::string text = table.text("signs", "++");
-  Sum sum;
+  SumBlock sum;
   sum.is_single = table.flag("single", false);
   Block block;
   for (const char sign : text) {
@@ -127,7 +127,7 @@ Block make_sum(const Config& table, const BlockContext&) {
 }
 
 Block make_saturation(const Config& table, const BlockContext& context) {
-  return through(Saturation{limits(table, context)});
+  return through(SaturationBlock{limits(table, context)});
 }
 
 Block make_rate_limiter(const Config& table, const BlockContext& context) {

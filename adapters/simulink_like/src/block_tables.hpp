@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,13 @@ constexpr double kFadeTime = 0.5;  ///< to fade compensation in or out [s]
 
 using Range = std::optional<std::pair<double, double>>;
 inline constexpr std::pair<double, double> kOffOrOn{0, 1};
+
+/// The ports of a block, one for each name that its type gives them.
+template <std::size_t count, std::size_t size>
+[[nodiscard]] std::vector<PortSpec> ports(PortSpec (&&specs)[size]) {
+  static_assert(size == count);
+  return {std::make_move_iterator(std::begin(specs)), std::make_move_iterator(std::end(specs))};
+}
 
 /// Adds a tunable parameter to a block.
 /// @param range  of the type; `range.<name>` in the table replaces it

@@ -91,28 +91,29 @@ Block make_predictor_corrector(const Config& table, const BlockContext& context)
   settings.substeps = static_cast<int>(std::lround(settings.simulation_step / context.period));
   Block block;
   const bool each = !is_single;
-  block.inputs = {{"new_target", kSingle, "1"},
-                  {"target", each, unit},
-                  {"displacement", each, unit},
-                  {"force", each, "N"},
-                  {"target_velocity", each, unit + "/s", true},
-                  {"target_acceleration", each, second_rate, true}};
-  block.outputs = {{"command", each, unit},
-                   {"velocity", each, unit + "/s"},
-                   {"acceleration", each, second_rate},
-                   {"held_displacement", each, unit},
-                   {"held_force", each, "N"},
-                   {"at_target", kSingle, "1"},
-                   {"switch_pc", kSingle, "1"},
-                   {"state", kSingle, "1"},
-                   {"counter", kSingle, "1"},
-                   {"stopped", kSingle, "1"},
-                   {"correct_time", kSingle, "s"},
-                   {"predict_time", kSingle, "s"},
-                   {"slow_down_time", kSingle, "s"},
-                   {"targets", kSingle, "1"},
-                   {"target_time", kSingle, "s"},
-                   {"lost_time", kSingle, "s"}};
+  block.inputs = ports<PredictorCorrectorBlock::In::kCount>(
+      {{"new_target", kSingle, "1"},
+       {"target", each, unit},
+       {"displacement", each, unit},
+       {"force", each, "N"},
+       {"target_velocity", each, unit + "/s", true},
+       {"target_acceleration", each, second_rate, true}});
+  block.outputs = ports<PredictorCorrectorBlock::Out::kCount>({{"command", each, unit},
+                                                               {"velocity", each, unit + "/s"},
+                                                               {"acceleration", each, second_rate},
+                                                               {"held_displacement", each, unit},
+                                                               {"held_force", each, "N"},
+                                                               {"at_target", kSingle, "1"},
+                                                               {"switch_pc", kSingle, "1"},
+                                                               {"state", kSingle, "1"},
+                                                               {"counter", kSingle, "1"},
+                                                               {"stopped", kSingle, "1"},
+                                                               {"correct_time", kSingle, "s"},
+                                                               {"predict_time", kSingle, "s"},
+                                                               {"slow_down_time", kSingle, "s"},
+                                                               {"targets", kSingle, "1"},
+                                                               {"target_time", kSingle, "s"},
+                                                               {"lost_time", kSingle, "s"}});
   const auto delays =
       is_single ? std::vector<int>(1) : read_sampling_delays(table, context, settings);
   block.kind = table.placed("name", [&] {
@@ -138,15 +139,15 @@ Block make_ats(const Config& table, const BlockContext& context) {
   settings.smoothing = static_cast<int>(table.integer_in("smoothing", 1, 100, settings.smoothing));
   settings.quiet_rms = table.number_in("quiet_rms_m", 0, 1, settings.quiet_rms);
   Block block;
-  block.inputs = {{"command", kPerAxis, "m"},
-                  {"velocity", kPerAxis, "m/s"},
-                  {"acceleration", kPerAxis, "m/s2"},
-                  {"measured", kPerAxis, "m"}};
-  block.outputs = {{"reference", kPerAxis, "m"},
-                   {"a0", kPerAxis, "1"},
-                   {"a1", kPerAxis, "s"},
-                   {"a2", kPerAxis, "s2"},
-                   {"limited", kPerAxis, "1"}};
+  block.inputs = ports<AtsBlock::In::kCount>({{"command", kPerAxis, "m"},
+                                              {"velocity", kPerAxis, "m/s"},
+                                              {"acceleration", kPerAxis, "m/s2"},
+                                              {"measured", kPerAxis, "m"}});
+  block.outputs = ports<AtsBlock::Out::kCount>({{"reference", kPerAxis, "m"},
+                                                {"a0", kPerAxis, "1"},
+                                                {"a1", kPerAxis, "s"},
+                                                {"a2", kPerAxis, "s2"},
+                                                {"limited", kPerAxis, "1"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   AtsBlock block_kind{{}, Fade{context.period / kFadeTime}};
@@ -161,10 +162,10 @@ Block make_ats(const Config& table, const BlockContext& context) {
 
 Block make_feed_forward(const Config& table, const BlockContext& context) {
   Block block;
-  block.inputs = {{"reference", kPerAxis, "m"},
-                  {"velocity", kPerAxis, "m/s"},
-                  {"acceleration", kPerAxis, "m/s2"}};
-  block.outputs = {{"reference", kPerAxis, "m"}};
+  block.inputs = ports<FeedForwardBlock::In::kCount>({{"reference", kPerAxis, "m"},
+                                                      {"velocity", kPerAxis, "m/s"},
+                                                      {"acceleration", kPerAxis, "m/s2"}});
+  block.outputs = ports<FeedForwardBlock::Out::kCount>({{"reference", kPerAxis, "m"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "velocity_gain_s", "s", 0, kLead);
   add_parameter(block, table, "acceleration_gain_s2", "s2", 0, kLead);
@@ -178,11 +179,11 @@ Block make_force_observer(const Config& table, const BlockContext& context) {
   for (const auto& machine : settings.machine)
     observer.observers.emplace_back(machine, context.period, settings.slope_samples);
   Block block;
-  block.inputs = {{"displacement", kPerAxis, "m"},
-                  {"acceleration", kPerAxis, "m/s2"},
-                  {"force", kPerAxis, "N"}};
-  block.outputs = {
-      {"force", kPerAxis, "N"}, {"velocity", kPerAxis, "m/s"}, {"machine_force", kPerAxis, "N"}};
+  block.inputs = ports<ForceObserverBlock::In::kCount>({{"displacement", kPerAxis, "m"},
+                                                        {"acceleration", kPerAxis, "m/s2"},
+                                                        {"force", kPerAxis, "N"}});
+  block.outputs = ports<ForceObserverBlock::Out::kCount>(
+      {{"force", kPerAxis, "N"}, {"velocity", kPerAxis, "m/s"}, {"machine_force", kPerAxis, "N"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   block.kind = std::move(observer);
   return block;

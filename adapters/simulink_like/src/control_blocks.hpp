@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
-// The blocks of a hybrid controller, which wrap the classes of the controller folder.
+// The blocks of a hybrid controller, which wrap the classes of the controller folder. Their ports
+// and parameters have the names of the diagram.
 #pragma once
 
 #include <optional>
@@ -25,6 +26,39 @@ namespace rths::adapters {
 
 /// Predictor-corrector with the handshake and the sample-and-hold of the feedbacks.
 struct PredictorCorrectorBlock {
+  struct In {
+    enum : std::size_t {
+      kNewTarget,
+      kTarget,
+      kDisplacement,
+      kForce,
+      kTargetVelocity,
+      kTargetAcceleration,
+      kCount
+    };
+  };
+  struct Out {
+    enum : std::size_t {
+      kCommand,
+      kVelocity,
+      kAcceleration,
+      kHeldDisplacement,
+      kHeldForce,
+      kAtTarget,
+      kSwitchPc,
+      kState,
+      kCounter,
+      kStopped,
+      kCorrectTime,
+      kPredictTime,
+      kSlowDownTime,
+      kTargets,
+      kTargetTime,
+      kLostTime,
+      kCount
+    };
+  };
+
   PredictorCorrectorBlock(const controller::PredictorCorrectorSettings& settings,
                           std::vector<int> delay_substeps, double substep_period);
   void step(const Wires& w) RTHS_REALTIME;
@@ -50,6 +84,16 @@ struct Fade {
 
 /// An adaptive time series compensator per axis.
 struct AtsBlock {
+  struct In {
+    enum : std::size_t { kCommand, kVelocity, kAcceleration, kMeasured, kCount };
+  };
+  struct Out {
+    enum : std::size_t { kReference, kA0, kA1, kA2, kLimited, kCount };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled, kAdapt };
+  };
+
   std::vector<controller::Ats> compensators;
   Fade fade;
   void step(const Wires& w) RTHS_REALTIME;
@@ -57,6 +101,30 @@ struct AtsBlock {
 
 /// An adaptive inverse compensator per axis.
 struct AdaptiveInverseBlock {
+  struct In {
+    enum : std::size_t { kCommand, kMeasured, kForce, kLostTime, kIsForceAhead, kCount };
+  };
+  struct Out {
+    enum : std::size_t {
+      kReference,
+      kA0,
+      kA1,
+      kA2,
+      kA3,
+      kLoad,
+      kLoadRate,
+      kDeadBand,
+      kFlowLoss,
+      kLearning,
+      kClipped,
+      kBadSamples,
+      kCount
+    };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled, kAdapt };
+  };
+
   std::vector<controller::AdaptiveInverse> compensators;
   Fade fade;
   double period;  ///< [s]
@@ -66,24 +134,83 @@ struct AdaptiveInverseBlock {
 
 /// Fixed lead from the command's rates.
 struct FeedForwardBlock {
+  struct In {
+    enum : std::size_t { kReference, kVelocity, kAcceleration, kCount };
+  };
+  struct Out {
+    enum : std::size_t { kReference, kCount };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled, kVelocityGain, kAccelerationGain };
+  };
+
   Fade fade;
   void step(const Wires& w) RTHS_REALTIME;
 };
 
 /// Subtracts the machine's own force from the measured force, per axis.
 struct ForceObserverBlock {
+  struct In {
+    enum : std::size_t { kDisplacement, kAcceleration, kForce, kCount };
+  };
+  struct Out {
+    enum : std::size_t { kForce, kVelocity, kMachineForce, kCount };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled };
+  };
+
   std::vector<controller::ForceObserver> observers;
   void step(const Wires& w) RTHS_REALTIME;
 };
 
 /// The same with load-dependent and presliding friction and a late accelerometer, per axis.
 struct TableForceObserverBlock {
+  struct In {
+    enum : std::size_t { kDisplacement, kAcceleration, kForce, kAxialLoad, kCount };
+  };
+  struct Out {
+    enum : std::size_t { kForce, kVelocity, kMachineForce, kBadSamples, kDisplacement, kCount };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled };
+  };
+
   std::vector<controller::TableForceObserver> observers;
   void step(const Wires& w) RTHS_REALTIME;
 };
 
 /// Corrects the specimen's force for the tracking error.
 struct TargetForceBlock {
+  struct In {
+    enum : std::size_t {
+      kTarget,
+      kDisplacement,
+      kAcceleration,
+      kForce,
+      kCommand,
+      kCommandVelocity,
+      kCommandAcceleration,
+      kAxialLoad,
+      kCount
+    };
+  };
+  struct Out {
+    enum : std::size_t {
+      kForce,
+      kCorrection,
+      kStrength,
+      kLearning,
+      kBadSamples,
+      kAhead,
+      kIsAhead,
+      kCount
+    };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled, kAdapt };
+  };
+
   controller::TargetForce force;
   Fade fade;
   bool leads;       ///< false: the force ahead is the measured one
@@ -94,6 +221,25 @@ struct TargetForceBlock {
 /// Vertical force by lead or cascade. The reference is relative to that of the first target, under
 /// which the specimen stands at the start.
 struct VerticalForceBlock {
+  struct In {
+    enum : std::size_t { kTarget, kMeasured, kHorizontalTarget, kHorizontal, kLostTime, kCount };
+  };
+  struct Out {
+    enum : std::size_t {
+      kReference,
+      kDisturbance,
+      kA0,
+      kA1,
+      kLearning,
+      kClipped,
+      kBadSamples,
+      kCount
+    };
+  };
+  struct Parameter {
+    enum : std::size_t { kAdapt };
+  };
+
   controller::VerticalForceControl lead;
   controller::ForceCascade cascade;
   bool is_cascade;
@@ -106,6 +252,16 @@ struct VerticalForceBlock {
 
 /// Measured force without gain and lag behind its command.
 struct LagCorrectionBlock {
+  struct In {
+    enum : std::size_t { kCommand, kMeasured, kCount };
+  };
+  struct Out {
+    enum : std::size_t { kForce, kGain, kLag, kCount };
+  };
+  struct Parameter {
+    enum : std::size_t { kEnabled, kAdapt };
+  };
+
   controller::LagCorrection correction;
   Fade fade;
   void step(const Wires& w) RTHS_REALTIME;

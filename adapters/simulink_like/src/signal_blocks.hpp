@@ -35,34 +35,38 @@ struct RingOutput {
 
 /// out = value
 struct Constant {
-  void step(const Wires& w) RTHS_REALTIME { *w.out[0] = *w.parameter[0]; }
+  void step(const Wires& w) RTHS_REALTIME { *w.out[kOnly] = *w.parameter[kOnly]; }
 };
 
 /// out = amplitude · sin(2π frequency t)
-struct Sine {
+struct SineBlock {
+  struct Parameter {
+    enum : std::size_t { kAmplitude, kFrequency };
+  };
   void step(const Wires& w) RTHS_REALTIME {
     const double value =
-        *w.parameter[0] * std::sin(2 * std::numbers::pi * *w.parameter[1] * w.time);
-    std::fill_n(w.out[0], w.axes, value);
+        *w.parameter[Parameter::kAmplitude] *
+        std::sin(2 * std::numbers::pi * *w.parameter[Parameter::kFrequency] * w.time);
+    std::fill_n(w.out[kOnly], w.axes, value);
   }
 };
 
 /// out = time of the step
 struct ClockBlock {
-  void step(const Wires& w) RTHS_REALTIME { *w.out[0] = w.time; }
+  void step(const Wires& w) RTHS_REALTIME { *w.out[kOnly] = w.time; }
 };
 
 /// out = gain · in
-struct Gain {
+struct GainBlock {
   bool is_single = false;  ///< single values, else one per axis
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < (is_single ? 1 : w.axes); ++i)
-      w.out[0][i] = *w.parameter[0] * w.in[0][i];
+      w.out[kOnly][i] = *w.parameter[kOnly] * w.in[kOnly][i];
   }
 };
 
 /// out = ± in1 ± in2 …, with the given signs
-struct Sum {
+struct SumBlock {
   std::vector<double> signs;
   bool is_single = false;  ///< single values, else one per axis
   void step(const Wires& w) RTHS_REALTIME {
@@ -70,17 +74,17 @@ struct Sum {
     for (std::size_t i = 0; i < count; ++i) {
       double sum = 0;
       for (std::size_t k = 0; k < signs.size(); ++k) sum += signs[k] * w.in[k][i];
-      w.out[0][i] = sum;
+      w.out[kOnly][i] = sum;
     }
   }
 };
 
 /// Clamps a value to ± the limit of its axis.
-struct Saturation {
+struct SaturationBlock {
   std::vector<double> limits;
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < w.axes; ++i)
-      w.out[0][i] = std::clamp(w.in[0][i], -limits[i], limits[i]);
+      w.out[kOnly][i] = std::clamp(w.in[kOnly][i], -limits[i], limits[i]);
   }
 };
 
@@ -92,25 +96,29 @@ struct RateLimiter {
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < w.axes; ++i) {
       const double change = limits[i] * period;
-      if (std::isfinite(w.in[0][i]))
-        last[i] = std::clamp(w.in[0][i], last[i] - change, last[i] + change);
-      w.out[0][i] = last[i];
+      if (std::isfinite(w.in[kOnly][i]))
+        last[i] = std::clamp(w.in[kOnly][i], last[i] - change, last[i] + change);
+      w.out[kOnly][i] = last[i];
     }
   }
 };
 
 /// out = in1 while the parameter is not 0, else in2
 struct Switch {
+  struct In {
+    enum : std::size_t { kFirst, kSecond };
+  };
   void step(const Wires& w) RTHS_REALTIME {
-    std::copy_n(*w.parameter[0] != 0 ? w.in[0] : w.in[1], w.axes, w.out[0]);
+    std::copy_n(*w.parameter[kOnly] != 0 ? w.in[In::kFirst] : w.in[In::kSecond], w.axes,
+                w.out[kOnly]);
   }
 };
 
 /// out = in of the previous step. Breaks algebraic loops: it outputs before it reads its input.
 struct UnitDelay {
   std::vector<double> held;
-  void step(const Wires& w) RTHS_REALTIME { std::copy(held.begin(), held.end(), w.out[0]); }
-  void update(const Wires& w) RTHS_REALTIME { std::copy_n(w.in[0], held.size(), held.begin()); }
+  void step(const Wires& w) RTHS_REALTIME { std::copy(held.begin(), held.end(), w.out[kOnly]); }
+  void update(const Wires& w) RTHS_REALTIME { std::copy_n(w.in[kOnly], held.size(), held.begin()); }
 };
 
 /// out = in, delayed by a whole number of steps
@@ -120,8 +128,8 @@ struct TransportDelay {
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < w.axes; ++i) {
       double& stored = line[head * w.axes + i];
-      w.out[0][i] = stored;
-      stored = w.in[0][i];
+      w.out[kOnly][i] = stored;
+      stored = w.in[kOnly][i];
     }
     head = (head + 1) % (line.size() / w.axes);
   }
@@ -133,8 +141,8 @@ struct Derivative {
   std::vector<double> last;
   void step(const Wires& w) RTHS_REALTIME {
     for (std::size_t i = 0; i < w.axes; ++i) {
-      w.out[0][i] = (w.in[0][i] - last[i]) / period;
-      last[i] = w.in[0][i];
+      w.out[kOnly][i] = (w.in[kOnly][i] - last[i]) / period;
+      last[i] = w.in[kOnly][i];
     }
   }
 };
@@ -144,7 +152,7 @@ template <class Filter>
 struct FilterBlock {
   std::vector<Filter> filters;
   void step(const Wires& w) RTHS_REALTIME {
-    for (std::size_t i = 0; i < w.axes; ++i) w.out[0][i] = filters[i](w.in[0][i]);
+    for (std::size_t i = 0; i < w.axes; ++i) w.out[kOnly][i] = filters[i](w.in[kOnly][i]);
   }
 };
 using LowPassBlock = FilterBlock<maths::LowPass>;
@@ -159,8 +167,8 @@ struct RemoveOffset {
     const bool learning = seen < samples;
     seen += learning ? 1 : 0;
     for (std::size_t i = 0; i < w.axes; ++i) {
-      if (learning) sum[i] += w.in[0][i];
-      w.out[0][i] = learning ? 0 : w.in[0][i] - sum[i] / static_cast<double>(samples);
+      if (learning) sum[i] += w.in[kOnly][i];
+      w.out[kOnly][i] = learning ? 0 : w.in[kOnly][i] - sum[i] / static_cast<double>(samples);
     }
   }
 };
@@ -168,7 +176,7 @@ struct RemoveOffset {
 /// Ends the run when its input is above 0.
 struct Stop {
   bool requested = false;
-  void step(const Wires& w) RTHS_REALTIME { requested = requested || *w.in[0] > 0; }
+  void step(const Wires& w) RTHS_REALTIME { requested = requested || *w.in[kOnly] > 0; }
 };
 
 }  // namespace rths::adapters

@@ -67,15 +67,18 @@ Block make_vertical_force(const Config& table, const BlockContext& context) {
   lead.observer_bandwidth =
       table.number_in("observer_bandwidth_Hz", 0, 100, lead.observer_bandwidth);
   Block block;
-  block.inputs = {{"target", kSingle, "N"},
-                  {"measured", kSingle, "N"},
-                  {"horizontal_target", kPerAxis, "m", true},
-                  {"horizontal", kPerAxis, "m", true},
-                  {"lost_time", kSingle, "s", true}};
-  block.outputs = {{"reference", kSingle, "m"},  {"disturbance", kSingle, "m"},
-                   {"a0", kSingle, "1"},         {"a1", kSingle, "s"},
-                   {"learning", kSingle, "1"},   {"clipped", kSingle, "1"},
-                   {"bad_samples", kSingle, "1"}};
+  block.inputs = ports<VerticalForceBlock::In::kCount>({{"target", kSingle, "N"},
+                                                        {"measured", kSingle, "N"},
+                                                        {"horizontal_target", kPerAxis, "m", true},
+                                                        {"horizontal", kPerAxis, "m", true},
+                                                        {"lost_time", kSingle, "s", true}});
+  block.outputs = ports<VerticalForceBlock::Out::kCount>({{"reference", kSingle, "m"},
+                                                          {"disturbance", kSingle, "m"},
+                                                          {"a0", kSingle, "1"},
+                                                          {"a1", kSingle, "s"},
+                                                          {"learning", kSingle, "1"},
+                                                          {"clipped", kSingle, "1"},
+                                                          {"bad_samples", kSingle, "1"}});
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {
     return VerticalForceBlock{controller::VerticalForceControl{lead},
@@ -95,8 +98,10 @@ Block make_lag_correction(const Config& table, const BlockContext& context) {
   settings.forgetting = table.number_in("forgetting_s", 0.01, 1000, settings.forgetting);
   settings.cutoff = table.number_in("cutoff_Hz", 0.1, 0.4 / context.period, settings.cutoff);
   Block block;
-  block.inputs = {{"command", kSingle, "N"}, {"measured", kSingle, "N"}};
-  block.outputs = {{"force", kSingle, "N"}, {"gain", kSingle, "1"}, {"lag", kSingle, "s"}};
+  block.inputs = ports<LagCorrectionBlock::In::kCount>(
+      {{"command", kSingle, "N"}, {"measured", kSingle, "N"}});
+  block.outputs = ports<LagCorrectionBlock::Out::kCount>(
+      {{"force", kSingle, "N"}, {"gain", kSingle, "1"}, {"lag", kSingle, "s"}});
   add_parameter(block, table, "enabled", "1", 1, kOffOrOn);
   add_parameter(block, table, "adapt", "1", 1, kOffOrOn);
   block.kind = table.placed("name", [&] {

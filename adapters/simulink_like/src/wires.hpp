@@ -17,4 +17,7 @@ struct Wires {
   bool is_missed = false;  ///< the step is made after its time
 };
 
+/// Index of the input, output or parameter of a block that has one.
+inline constexpr std::size_t kOnly = 0;
+
 }  // namespace rths::adapters
