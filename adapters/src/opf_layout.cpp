@@ -17,12 +17,12 @@ namespace {
 
 constexpr const char* kOrder = "newTarget, commands, switchPC, atTarget, feedbacks";
 
-std::optional<Quantity> quantity_named(const std::string& word) {
-  if (word == "displ") return Quantity::Displacement;
-  if (word == "veloc") return Quantity::Velocity;
-  if (word == "accel") return Quantity::Acceleration;
-  if (word == "force" || word == "moment") return Quantity::Force;
-  if (word == "time") return Quantity::Time;
+std::optional<OpfQuantity> quantity_named(const std::string& word) {
+  if (word == "displ") return OpfQuantity::Displacement;
+  if (word == "veloc") return OpfQuantity::Velocity;
+  if (word == "accel") return OpfQuantity::Acceleration;
+  if (word == "force" || word == "moment") return OpfQuantity::Force;
+  if (word == "time") return OpfQuantity::Time;
   return std::nullopt;
 }
 
@@ -85,24 +85,24 @@ void require_no_gap(const memmap::Map& map, const std::vector<memmap::SignalEntr
 
 }  // namespace
 
-const char* to_text(Quantity quantity) noexcept {
+const char* to_text(OpfQuantity quantity) noexcept {
   switch (quantity) {
-    case Quantity::Displacement:
+    case OpfQuantity::Displacement:
       return "disp";
-    case Quantity::Velocity:
+    case OpfQuantity::Velocity:
       return "vel";
-    case Quantity::Acceleration:
+    case OpfQuantity::Acceleration:
       return "accel";
-    case Quantity::Force:
+    case OpfQuantity::Force:
       return "force";
-    case Quantity::Time:
+    case OpfQuantity::Time:
       return "time";
   }
   return "";
 }
 
 const OpfSignal* OpfLayout::find(const std::vector<OpfSignal>& signals, const std::string& axis,
-                                 Quantity quantity) {
+                                 OpfQuantity quantity) {
   const auto found = std::find_if(signals.begin(), signals.end(), [&](const OpfSignal& signal) {
     return signal.axis == axis && signal.quantity == quantity;
   });

@@ -93,7 +93,7 @@ int check_case(const std::string& file) {
   const auto c = diagnosis::load_case(file);
   diagnosis::check_model(c);
   fmt::print("{}: case '{}', {} records, model of kind '{}'\n", file, c.name, c.records.size(),
-             c.model.kind);
+             name_of(c.model.kind));
   for (const auto& record : c.records) {
     fmt::print("  '{}': {}, {} samples, interval {:.5g} s\n", printable(record.name),
                diagnosis::name_of(record.use), record.samples(), record.time_step);

@@ -83,7 +83,7 @@ void check_change(const Config& bearing, const LoopArguments& arguments, const s
   }
   std::vector<std::string> known;
   for (const auto& one : sim::term_kind(bearing.table(term).text("kind", term)).parameters)
-    known.push_back(sim::parameter_key(one, sim::Channel::Force));
+    known.push_back(sim::parameter_key(one, sim::SensorChannel::Force));
   known.insert(known.end(), {"enabled", "axes"});
   if (!contains(known, parameter))
     throw Error{fmt::format("--set {}: term '{}' has no parameter '{}'{}", key, term, parameter,

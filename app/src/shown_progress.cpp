@@ -23,7 +23,7 @@ ShownProgress::ShownProgress(Steps::Silent silent) {
     if (!steps_) steps_.emplace(count, silent);
     steps_->begin(name);
   };
-  functions_.fits = [this](const diagnosis::Progress::State& state) {
+  functions_.fits = [this](const diagnosis::DiagnosisProgress::State& state) {
     if (steps_)
       steps_->detail(state.step.empty() ? state.stage : state.stage + ", " + state.step, state.done,
                      state.total);

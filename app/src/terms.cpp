@@ -90,7 +90,7 @@ std::string drawing_of(const TermKind& kind) {
 std::string parameter_rows(const TermKind& kind, const char* row) {
   std::string rows;
   for (const auto& p : kind.parameters)
-    rows += fmt::format(fmt::runtime(row), sim::parameter_key(p, sim::Channel::Force), p.low,
+    rows += fmt::format(fmt::runtime(row), sim::parameter_key(p, sim::SensorChannel::Force), p.low,
                         p.high, p.absent, p.typical);
   return rows;
 }
@@ -113,7 +113,7 @@ std::string markdown_of(const TermKind& kind) {
 std::string json_of(const TermKind& kind) {
   nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
   for (const auto& p : kind.parameters)
-    parameters.push_back({{"key", sim::parameter_key(p, sim::Channel::Force)},
+    parameters.push_back({{"key", sim::parameter_key(p, sim::SensorChannel::Force)},
                           {"low", p.low},
                           {"high", p.high},
                           {"default", p.absent},

@@ -31,12 +31,12 @@ double mean_of_end(const std::vector<double>& values, double interval) {
 }
 
 /// Of one recording: at its start, at its middle and at its end.
-struct Course {
+struct LearntCourse {
   Terms start, middle, end;
 };
 
-std::optional<Course> course_of(const recording::Reader& run, const std::string& block,
-                                const std::string& axis) {
+std::optional<LearntCourse> course_of(const recording::Reader& run, const std::string& block,
+                                      const std::string& axis) {
   const std::string begin = recording::roles_of(run).monitor_of_controller() + block + ".";
   const auto named = [&](const char* output) { return begin + output + "." + axis; };
   if (!run.has(named("a0"))) return std::nullopt;
@@ -44,7 +44,7 @@ std::optional<Course> course_of(const recording::Reader& run, const std::string&
   for (const auto& coefficient : kInverseCoefficients) names.push_back(named(coefficient.output));
   const auto data = recorded(run, names);
   if (*std::max_element(data.values[0].begin(), data.values[0].end()) == 0) return std::nullopt;
-  Course course;
+  LearntCourse course;
   for (std::size_t k = 0; k < std::size(kInverseCoefficients); ++k) {
     const auto& values = data.values[k + 1];
     const auto i = static_cast<Eigen::Index>(k);
@@ -55,7 +55,7 @@ std::optional<Course> course_of(const recording::Reader& run, const std::string&
   return course;
 }
 
-LearntAxis axis_of(const std::string& name, const std::vector<Course>& courses) {
+LearntAxis axis_of(const std::string& name, const std::vector<LearntCourse>& courses) {
   LearntAxis axis{name, courses.front().start, Terms::Zero(), Terms::Zero(), Terms::Zero()};
   for (const auto& course : courses)
     axis.learnt += course.end / static_cast<double>(courses.size());
@@ -74,7 +74,7 @@ LearntInverse learnt_inverse(const std::vector<std::filesystem::path>& files,
   std::vector<recording::Reader> runs;
   for (const auto& file : files) runs.emplace_back(file);
   for (const std::string& name : names_of(kHorizontal)) {
-    std::vector<Course> courses;
+    std::vector<LearntCourse> courses;
     std::string without;
     for (std::size_t i = 0; i < runs.size(); ++i) {
       const auto course =

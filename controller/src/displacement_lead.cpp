@@ -20,7 +20,7 @@ constexpr double kLeadCutoff = 8;           // [Hz]
 constexpr double kLeadSettling = 1;         // of the low-passes, left out [s]
 constexpr double kRowsPerLeadCutoff = 4;    // rows per period of the cut-off
 constexpr Eigen::Index kMostLeadLags = 31;  // of the residual's correlation
-enum Column { kSecond, kThird, kConstant, kColumns };
+enum LeadColumn { kSecond, kThird, kConstant, kColumns };
 
 std::vector<double> filtered(std::span<const double> signal, double period) {
   std::vector<double> result{signal.begin(), signal.end()};
@@ -31,8 +31,8 @@ std::vector<double> filtered(std::span<const double> signal, double period) {
 
 }  // namespace
 
-maths::Estimate accelerometer_behind_displacement(std::span<const TableRecording> runs,
-                                                  double period) {
+maths::RobustEstimate accelerometer_behind_displacement(std::span<const TableRecording> runs,
+                                                        double period) {
   const auto stride = static_cast<std::size_t>(
       std::max(1L, std::lround(1 / (kRowsPerLeadCutoff * kLeadCutoff * period))));
   std::vector<Eigen::Vector4d> rows;

@@ -357,7 +357,7 @@ class Identification {
   TableObserverSettings observer_;
   std::size_t stride_, settling_;
   bool has_load_ = false;
-  maths::Estimate behind_;  ///< the accelerometer behind the displacement transducer [s]
+  maths::RobustEstimate behind_;  ///< the accelerometer behind the displacement transducer [s]
   Shape shape_;
   Eigen::VectorXd linear_;
   std::vector<int> columns_;

@@ -46,7 +46,7 @@ class FusedMotion {
 
 /// Delay of the accelerometer behind the displacement transducer [s]: least squares of the
 /// acceleration over second and third derivative of the displacement. 0 without motion.   @setup
-[[nodiscard]] maths::Estimate accelerometer_behind_displacement(
+[[nodiscard]] maths::RobustEstimate accelerometer_behind_displacement(
     std::span<const TableRecording> runs, double period);
 
 /// From measured samples to the terms of the machine's force, all of one instant and through one

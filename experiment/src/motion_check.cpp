@@ -28,28 +28,29 @@ constexpr double kMostVelocity = 5, kMostDisplacement = 10;  // [m/s], [m]
 constexpr double kLongestPulse = 0.35;  // [s]
 
 /// A unit of acceleration, and how many of it make 1 g.
-struct Unit {
+struct LikelyUnit {
   const char* name;
   double per_g;
 };
-constexpr Unit kUnits[] = {{"m/s²", kStandardGravity},
-                           {"% of g", 100},
-                           {"gal (cm/s²)", 100 * kStandardGravity},
-                           {"mm/s²", 1000 * kStandardGravity}};
+constexpr LikelyUnit kUnits[] = {{"m/s²", kStandardGravity},
+                                 {"% of g", 100},
+                                 {"gal (cm/s²)", 100 * kStandardGravity},
+                                 {"mm/s²", 1000 * kStandardGravity}};
 
-const Unit& likely_unit(double peak_in_g) {
-  const auto distance = [&](const Unit& unit) {
+const LikelyUnit& likely_unit(double peak_in_g) {
+  const auto distance = [&](const LikelyUnit& unit) {
     return std::abs(std::log(peak_in_g / unit.per_g / kUsualAcceleration));
   };
-  return *std::min_element(std::begin(kUnits), std::end(kUnits),
-                           [&](const Unit& a, const Unit& b) { return distance(a) < distance(b); });
+  return *std::min_element(
+      std::begin(kUnits), std::end(kUnits),
+      [&](const LikelyUnit& a, const LikelyUnit& b) { return distance(a) < distance(b); });
 }
 
 bool is_about(double value, double other) { return std::abs(value - other) <= 0.005 * other; }
 
 // A scale that would convert a record which is in g already.
 std::optional<std::string> conversion_of(double scale, double unscaled_in_g) {
-  for (const Unit& unit : kUnits) {
+  for (const LikelyUnit& unit : kUnits) {
     if (is_about(scale, unit.per_g))
       return fmt::format("scale is {:g}, the factor from {} to g the wrong way: the record is in g",
                          scale, unit.name);
@@ -103,7 +104,7 @@ void check_peak(const Config& table, double peak, double scale) {
     if (const auto wrong = conversion_of(scale, unscaled / kStandardGravity))
       table.fail("scale", *wrong);
   if (std::min(peak, scale > 0 ? unscaled : peak) <= kMostAcceleration) return;
-  const Unit& unit = likely_unit(unscaled / kStandardGravity);
+  const LikelyUnit& unit = likely_unit(unscaled / kStandardGravity);
   table.fail("file",
              fmt::format("peak ground acceleration is {:.4g} g, expected at most {:g} g: is "
                          "the record in {}? Then expected scale = {:.6g}",

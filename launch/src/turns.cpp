@@ -15,7 +15,7 @@ constexpr Duration kLook = std::chrono::milliseconds{100};
 // A word of a turn: the number of steps in the upper 30 bits, 12 days at 1 kHz, and the end of the
 // node in the lower two.
 constexpr std::uint32_t kEndBits = 2;
-enum End : std::uint32_t { kGoesOn, kDone, kFault };
+enum TurnsEnd : std::uint32_t { kGoesOn, kDone, kFault };
 
 std::uint32_t end_of(Status status) {
   if (status == Status::Done) return kDone;

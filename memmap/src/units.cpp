@@ -29,18 +29,18 @@ bool is_angle(const std::string& unit) {
          unit.find("arc") != std::string::npos;
 }
 
-struct Freed {
+struct FreeUnit {
   void operator()(ut_unit* unit) const { ut_free(unit); }
   void operator()(cv_converter* converter) const { cv_free(converter); }
   void operator()(ut_system* system) const { ut_free_system(system); }
 };
-using UnitHandle = std::unique_ptr<ut_unit, Freed>;
+using UnitHandle = std::unique_ptr<ut_unit, FreeUnit>;
 
 ut_system* unit_system() {
   // Reading the UDUNITS database takes milliseconds, so it is read once per process.
-  static const std::unique_ptr<ut_system, Freed> system = [] {
+  static const std::unique_ptr<ut_system, FreeUnit> system = [] {
     ut_set_error_message_handler(ut_ignore);
-    return std::unique_ptr<ut_system, Freed>{ut_read_xml(nullptr)};
+    return std::unique_ptr<ut_system, FreeUnit>{ut_read_xml(nullptr)};
   }();
   if (!system)
     throw Error{"the UDUNITS database cannot be read: check the installation of libudunits2"};
@@ -79,7 +79,7 @@ Unit convert_to_si(const std::string& text) {
     const UnitHandle target = parse(si);
     if (!ut_are_convertible(unit.get(), target.get())) continue;
     if (is_angle(si) && !is_angle(text)) continue;
-    const std::unique_ptr<cv_converter, Freed> to_si{ut_get_converter(unit.get(), target.get())};
+    const std::unique_ptr<cv_converter, FreeUnit> to_si{ut_get_converter(unit.get(), target.get())};
     const double offset = cv_convert_double(to_si.get(), 0.0);
     if (!std::isfinite(offset)) continue;  // UDUNITS also converts to reciprocals: ms to Hz
     return {si, cv_convert_double(to_si.get(), 1.0) - offset, offset};

@@ -45,7 +45,7 @@ bool separates_halves(std::string_view line) {
          });
 }
 
-struct Line {
+struct TextLine {
   std::size_t number = 0;
   std::string_view content;
 };
@@ -175,8 +175,8 @@ class TextReader {
   }
 
   std::string file_;
-  std::vector<Line> above_;
-  std::vector<Line> headings_;  // rows with a text, until there are more rows
+  std::vector<TextLine> above_;
+  std::vector<TextLine> headings_;  // rows with a text, until there are more rows
   std::size_t line_ = 0;
   char separator_ = ',';
 };

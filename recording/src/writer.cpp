@@ -17,7 +17,7 @@ constexpr double kRounding = 1e-6;  // of steps per row
 constexpr const char* kStepSuffix = ".host.step";
 
 // A table that grows by rows.
-struct Table {
+struct DatasetTable {
   Handle dataset;
   hid_t type = -1;
   hsize_t columns = 0;  ///< 0: one-dimensional
@@ -37,7 +37,7 @@ struct Table {
   }
 };
 
-Table create_table(hid_t group, const std::string& name, hid_t type, hsize_t columns) {
+DatasetTable create_table(hid_t group, const std::string& name, hid_t type, hsize_t columns) {
   const int rank = columns > 0 ? 2 : 1;
   const hsize_t none[2] = {0, columns};
   const hsize_t unlimited[2] = {H5S_UNLIMITED, columns};
@@ -103,7 +103,7 @@ void create_additions(hid_t meta) {
 struct Writer::File {
   /// Columns and table of a partition.
   struct Block {
-    Table table;
+    DatasetTable table;
     std::vector<std::size_t> columns;  ///< positions in a row
     std::vector<double> buffer;
   };
@@ -117,10 +117,10 @@ struct Writer::File {
   std::filesystem::path path;
   WriterLock lock;
   Handle file;
-  Table time;
+  DatasetTable time;
   std::vector<Block> blocks;
   std::vector<std::int64_t> time_buffer;
-  Table event_time, event_signal, event_value;
+  DatasetTable event_time, event_signal, event_value;
   std::vector<std::int64_t> event_times;
   std::vector<std::int32_t> event_signals;
   std::vector<double> event_values;

@@ -165,7 +165,7 @@ void add_raw_delays(const Reader& uncompensated, std::vector<AxisAnalysis>& axes
       if (names.axis == axis.name) add_raw_delay(axis, ticks, names);
 }
 
-StepAnalysis analyse_steps(const Reader& run, const Roles& roles, const HostLateness& host) {
+StepAnalysis analyse_steps(const Reader& run, const Roles& roles, const RecordedLateness& host) {
   StepAnalysis steps;
   const auto targets = targets_of(run, roles);
   steps.start = at_each_count(targets, run.time());
@@ -219,7 +219,7 @@ RunTiming timing_of(const Reader& run, const Ticks& ticks, const StepAnalysis& s
   return {reached, 1 / ticks.interval(), achieved_rate(solver, test.integration_step)};
 }
 
-HostAnalysis analyse_hosts(const Reader& run, const HostLateness& host,
+HostAnalysis analyse_hosts(const Reader& run, const RecordedLateness& host,
                            const std::optional<Reader>& real_time) {
   HostAnalysis hosts;
   const auto meta = run.meta();
@@ -280,7 +280,7 @@ maths::DelayIdentification delay_or_none(std::span<const double> command,
   }
 }
 
-bool HostLateness::was_late(double from, double to) const {
+bool RecordedLateness::was_late(double from, double to) const {
   if (late.values.empty()) return false;
   const auto first = static_cast<std::size_t>(std::max(0.0, from / late.interval));
   const auto last = static_cast<std::size_t>(std::max(0.0, to / late.interval));
@@ -289,10 +289,10 @@ bool HostLateness::was_late(double from, double to) const {
   return false;
 }
 
-HostLateness lateness_of(const Reader& run) {
+RecordedLateness lateness_of(const Reader& run) {
   constexpr double kUsualPeriod = 1e-3;  // [s]
   const auto late = run.meta_series("host_late");
-  HostLateness host{{0, late.interval, late.values}, kUsualPeriod};
+  RecordedLateness host{{0, late.interval, late.values}, kUsualPeriod};
   try {
     host.period = Ticks{run, recording::roles_of(run)}.interval();
   } catch (const Error&) {  // NOLINT(bugprone-empty-catch): the controller made no step
@@ -343,7 +343,7 @@ Analysis analyse(const std::filesystem::path& folder) {
   const auto numerical = open_if_there(folder / kNumericalFile);
   const auto improved = open_if_there(folder / kImprovedFile);
   const auto given = [](const auto& reader) { return reader ? &*reader : nullptr; };
-  const HostLateness host = lateness_of(run);
+  const RecordedLateness host = lateness_of(run);
   const Roles roles = recording::roles_of(run);
   const Ticks ticks{run, roles};
   AxesAnalysis found = analyse_axes(run, ticks, roles);

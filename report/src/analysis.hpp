@@ -72,13 +72,13 @@ struct HopAnalysis {
 };
 
 /// A floor spectrum and its source.
-struct Spectrum {
+struct FloorSpectrum {
   std::string of;              ///< hybrid, numerical, improved, fixed base, input, beside
   std::vector<double> values;  ///< [m/s²]
 };
 struct FloorSpectra {
   std::string floor;
-  std::vector<Spectrum> spectra;
+  std::vector<FloorSpectrum> spectra;
 };
 
 /// Result of a run with a model instead of the specimen, one per axis.
@@ -230,14 +230,14 @@ inline constexpr double kDelaySearch = 0.2;
                                                        double interval, double search);
 
 /// Lateness of the host, as recorded.
-struct HostLateness {
+struct RecordedLateness {
   Series late;        ///< largest of each interval [s]; empty in virtual time
   double period = 0;  ///< control period: a late host excuses from here on [s]
   /// Returns true if the lateness reached a control period in [from, to].
   [[nodiscard]] bool was_late(double from, double to) const;
 };
 /// The control period is that of the recording; without steps of a controller, 1 ms.
-[[nodiscard]] HostLateness lateness_of(const recording::Reader& run);
+[[nodiscard]] RecordedLateness lateness_of(const recording::Reader& run);
 
 /// Model time at a wall time since the run began [s].
 /// @param rest  wall time before the test [s]   @param rate  wall time over model time

@@ -49,14 +49,14 @@ std::optional<double> value_at(double time, const std::vector<double>& values, d
 }
 
 // A displacement at times of a test, one per target.
-struct Response {
+struct TestResponse {
   const std::vector<double>& time;
   const std::vector<double>& displacement;
   double interval;  ///< of its targets [s]
 };
 
 // Difference between a displacement of the test and that of another result at the same times.
-double difference(const Response& test, const NumericalAxis& other, double interval) {
+double difference(const TestResponse& test, const NumericalAxis& other, double interval) {
   const bool has_same_interval = std::abs(test.interval - interval) <= 1e-9 * interval;
   double apart = 0, all = 0;
   for (std::size_t i = 0; i < std::min(test.time.size(), test.displacement.size()); ++i) {

@@ -14,7 +14,7 @@ namespace rths::report {
 using Break = std::optional<Broken>;
 
 /// The response beside its reference, in words.
-[[nodiscard]] std::string proportion(const Fit& f, const std::string& reference);
+[[nodiscard]] std::string proportion(const Proportion& f, const std::string& reference);
 /// Delay of a response [s]; none without motion.
 [[nodiscard]] std::optional<double> delay_of(const std::vector<double>& reference,
                                              const std::vector<double>& response,

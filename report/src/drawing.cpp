@@ -19,12 +19,12 @@ constexpr double kSmallestSpan = 1e-9;  // of the values
 constexpr const char* kColours[] = {"#1f5fa8", "#c8501e", "#2e8b57", "#7b4ea3", "#b8860b"};
 constexpr const char* kReferenceColour = "#9aa0a6";
 
-struct Range {
+struct DrawnRange {
   double low, high, step;
 };
 
 // Limits and ticks on round numbers.
-Range round_range(double low, double high) {
+DrawnRange round_range(double low, double high) {
   // Variation at the level of round-off counts as a constant.
   const double smallest = kSmallestSpan * std::max(std::abs(low), std::abs(high));
   if (!(high - low > smallest)) high = low + std::max(1.0, std::abs(low)), low = low - (high - low);
@@ -39,7 +39,7 @@ Range round_range(double low, double high) {
   return {std::floor(low / step + 1e-9) * step, std::ceil(high / step - 1e-9) * step, step};
 }
 
-Range range_of(const Panel& panel, std::vector<double> Curve::*values) {
+DrawnRange range_of(const Panel& panel, std::vector<double> Curve::*values) {
   double low = INFINITY, high = -INFINITY;
   for (const auto& curve : panel.curves)
     for (const double value : curve.*values)
@@ -126,7 +126,7 @@ class PanelDrawing {
   [[nodiscard]] std::string axes() const {
     std::string out =
         fmt::format("<text class=\"h\" x=\"0\" y=\"-12\">{}</text>\n", escaped(panel_.title));
-    const auto tick_count = [](const Range& r) {
+    const auto tick_count = [](const DrawnRange& r) {
       return static_cast<int>(std::lround((r.high - r.low) / r.step));
     };
     for (int i = 0; i <= tick_count(x_); ++i) {
@@ -189,7 +189,7 @@ class PanelDrawing {
 
   const Panel& panel_;
   double left_;
-  Range x_, y_;
+  DrawnRange x_, y_;
 };
 
 void check(const std::vector<Panel>& panels) {

@@ -68,9 +68,9 @@ AxisEvidence axis_of(const Reader& run, const NodeTicks& ticks, const Roles& rol
 }
 
 // Counts without rows that are too many for an interpolation.
-std::vector<Window> gaps_in(const std::vector<double>& counter) {
+std::vector<TickSpan> gaps_in(const std::vector<double>& counter) {
   constexpr double kLongest = 10;  // [ticks]
-  std::vector<Window> gaps;
+  std::vector<TickSpan> gaps;
   double last = 0;
   for (const double count : counter) {
     if (last > 0 && count > last + kLongest)
@@ -125,26 +125,26 @@ double largest_magnitude(std::span<const double> values) {
   return largest;
 }
 
-std::vector<Window> windows(const Evidence& evidence, double length) {
+std::vector<TickSpan> windows(const Evidence& evidence, double length) {
   const auto ticks = static_cast<std::size_t>(length * evidence.rate / evidence.interval);
   const auto reach = static_cast<std::size_t>(kMotionSpan * evidence.rate / evidence.interval);
-  const auto is_near = [&](const Window& window) {
-    return std::any_of(evidence.gaps.begin(), evidence.gaps.end(), [&](const Window& gap) {
+  const auto is_near = [&](const TickSpan& window) {
+    return std::any_of(evidence.gaps.begin(), evidence.gaps.end(), [&](const TickSpan& gap) {
       return gap.begin < window.end + reach && window.begin < gap.end + reach;
     });
   };
-  std::vector<Window> result;
+  std::vector<TickSpan> result;
   for (std::size_t begin = 0; ticks > 0 && begin + ticks <= evidence.time.size();
        begin += std::max<std::size_t>(1, ticks / 4))
-    if (const Window window{begin, begin + ticks}; !is_near(window)) result.push_back(window);
+    if (const TickSpan window{begin, begin + ticks}; !is_near(window)) result.push_back(window);
   return result;
 }
 
-std::span<const double> part(const std::vector<double>& values, const Window& window) {
+std::span<const double> part(const std::vector<double>& values, const TickSpan& window) {
   return std::span{values}.subspan(window.begin, window.end - window.begin);
 }
 
-Fit fit(std::span<const double> reference, std::span<const double> response) {
+Proportion fit(std::span<const double> reference, std::span<const double> response) {
   const auto n = static_cast<double>(reference.size());
   const double mean_x = std::accumulate(reference.begin(), reference.end(), 0.0) / n;
   const double mean_y = std::accumulate(response.begin(), response.end(), 0.0) / n;
@@ -155,7 +155,7 @@ Fit fit(std::span<const double> reference, std::span<const double> response) {
     yy += y * y;
     xy += x * y;
   }
-  Fit result;
+  Proportion result;
   result.gain = xx > 0 ? xy / xx : 0;
   result.offset = mean_y - result.gain * mean_x;
   result.correlation = xx > 0 && yy > 0 ? xy / std::sqrt(xx * yy) : 0;
@@ -165,24 +165,24 @@ Fit fit(std::span<const double> reference, std::span<const double> response) {
   return result;
 }
 
-Fit fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
-                const Window& window, std::size_t latest) {
+Proportion fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
+                       const TickSpan& window, std::size_t latest) {
   constexpr std::size_t kDelays = 20;
   const std::size_t stride = std::max<std::size_t>(1, latest / kDelays);
   const std::size_t length = window.end - window.begin;
   const std::size_t fitted = length > latest ? length - latest : 0;
-  const Window sent{window.begin, window.begin + fitted};
-  Fit best;
+  const TickSpan sent{window.begin, window.begin + fitted};
+  Proportion best;
   for (std::size_t delay = 0; fitted > 0 && delay <= latest; delay += stride) {
-    const Fit f = fit(part(reference.values, sent),
-                      part(response.values, {sent.begin + delay, sent.end + delay}));
+    const Proportion f = fit(part(reference.values, sent),
+                             part(response.values, {sent.begin + delay, sent.end + delay}));
     if (delay == 0 || f.difference < best.difference) best = f;
   }
   return best;
 }
 
-Fit fit_copy(const RecordedSignal& reference, const RecordedSignal& response, const Window& window,
-             std::size_t latest) {
+Proportion fit_copy(const RecordedSignal& reference, const RecordedSignal& response,
+                    const TickSpan& window, std::size_t latest) {
   std::vector<double> aligned;
   for (std::size_t begin = window.begin; begin + kPiece + latest <= window.end; begin += kPiece) {
     const auto sent = part(reference.values, {begin, begin + kPiece});

@@ -17,7 +17,7 @@ namespace rths::report {
 inline constexpr double kMotionSpan = 0.1;
 
 /// Ticks [begin, end).
-struct Window {
+struct TickSpan {
   std::size_t begin = 0, end = 0;
 };
 
@@ -45,12 +45,12 @@ struct AxisEvidence {
 
 /// The recorded signals of a test with a controller and a machine, up to the end of the test.
 struct Evidence {
-  double interval = 0;       ///< from tick to tick [s]
-  double rate = 1;           ///< wall time over model time
-  double step = 0;           ///< wall time of an integration step [s]
-  std::vector<double> time;  ///< of each tick, since the run began [s]
-  std::size_t rest = 0;      ///< ticks before the first target
-  std::vector<Window> gaps;  ///< ticks without rows, interpolated
+  double interval = 0;         ///< from tick to tick [s]
+  double rate = 1;             ///< wall time over model time
+  double step = 0;             ///< wall time of an integration step [s]
+  std::vector<double> time;    ///< of each tick, since the run began [s]
+  std::size_t rest = 0;        ///< ticks before the first target
+  std::vector<TickSpan> gaps;  ///< ticks without rows, interpolated
   std::vector<AxisEvidence> axes;
   RecordedSignal load, load_reference;  ///< of the specimen, vertical
 };
@@ -60,26 +60,28 @@ struct Evidence {
 
 /// Windows of this length in model time that overlap by three quarters, away from gaps.
 /// @param length  [s]
-[[nodiscard]] std::vector<Window> windows(const Evidence& evidence, double length);
+[[nodiscard]] std::vector<TickSpan> windows(const Evidence& evidence, double length);
 
-[[nodiscard]] std::span<const double> part(const std::vector<double>& values, const Window& window);
+[[nodiscard]] std::span<const double> part(const std::vector<double>& values,
+                                           const TickSpan& window);
 
 /// A response as gain × reference + offset, by least squares.
-struct Fit {
+struct Proportion {
   double gain = 0, offset = 0, correlation = 0;
   double difference = 0;               ///< RMS of response minus reference, without their means
   double reference = 0, response = 0;  ///< standard deviations
 };
-[[nodiscard]] Fit fit(std::span<const double> reference, std::span<const double> response);
+[[nodiscard]] Proportion fit(std::span<const double> reference, std::span<const double> response);
 
 /// The fit with the smallest difference among delays of the response of up to `latest` ticks.
-[[nodiscard]] Fit fit_delayed(const RecordedSignal& reference, const RecordedSignal& response,
-                              const Window& window, std::size_t latest);
+[[nodiscard]] Proportion fit_delayed(const RecordedSignal& reference,
+                                     const RecordedSignal& response, const TickSpan& window,
+                                     std::size_t latest);
 
 /// The same of a copy, whose delay changes by a tick when a node is a part of a tick late: for each
 /// 20 ticks the delay of up to `latest` with the smallest difference.
-[[nodiscard]] Fit fit_copy(const RecordedSignal& reference, const RecordedSignal& response,
-                           const Window& window, std::size_t latest);
+[[nodiscard]] Proportion fit_copy(const RecordedSignal& reference, const RecordedSignal& response,
+                                  const TickSpan& window, std::size_t latest);
 
 [[nodiscard]] double largest_magnitude(std::span<const double> values);
 

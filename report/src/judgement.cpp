@@ -104,7 +104,7 @@ Break owner_of(const Reader& run) {
 }
 
 // Invalid or torn inputs. A host that is late in the midst of a write excuses them.
-Break stale_input(const Reader& run, const std::string& node, const HostLateness& host) {
+Break stale_input(const Reader& run, const std::string& node, const RecordedLateness& host) {
   const std::string signal = "monitor." + node + ".host.stale";
   const auto count = run.signal(signal);
   const std::size_t rows = test_rows(run);
@@ -137,7 +137,7 @@ Break node_limit(const Reader& run, const std::string& node, const Bounds& bound
                 fmt::format("at most {:g} s", bounds.at_limits)};
 }
 
-Break late_host(const Reader& run, const HostLateness& host, const Bounds& bounds) {
+Break late_host(const Reader& run, const RecordedLateness& host, const Bounds& bounds) {
   const auto targets = targets_of(run, recording::roles_of(run));
   if (targets.empty() || host.late.values.empty()) return {};
   const auto start = recording::at_each_count(targets, run.time());
@@ -166,9 +166,9 @@ Break response_of(const Reader& run, const std::string& axis, double difference,
 }
 
 // Collects the broken conditions.
-class Judgement {
+class RunJudgement {
  public:
-  explicit Judgement(const std::vector<AxisEvidence>& axes) : axes_{axes} {}
+  explicit RunJudgement(const std::vector<AxisEvidence>& axes) : axes_{axes} {}
   void add(Break broken) {
     if (broken) broken_.push_back(std::move(*broken));
   }
@@ -209,7 +209,7 @@ class Judgement {
   std::vector<Broken> broken_;
 };
 
-void judge_run(Judgement& judgement, const Reader& run, const Config& experiment,
+void judge_run(RunJudgement& judgement, const Reader& run, const Config& experiment,
                const Bounds& bounds) {
   const SolverTime solver = solver_time_of(run);
   judgement.add(end_of_run(run, solver, experiment));
@@ -227,7 +227,7 @@ void judge_run(Judgement& judgement, const Reader& run, const Config& experiment
     judgement.add(targets_limit_of(run, solver));
     judgement.add(targets_live_of(run, solver));
   }
-  const HostLateness host = lateness_of(run);
+  const RecordedLateness host = lateness_of(run);
   judgement.add(late_host(run, host, bounds));
   for (const auto& node : nodes_of(run)) {
     judgement.add(unseen_steps(run, node, bounds));
@@ -237,7 +237,7 @@ void judge_run(Judgement& judgement, const Reader& run, const Config& experiment
   }
 }
 
-void judge_axes(Judgement& judgement, const Evidence& evidence, const Bounds& bounds) {
+void judge_axes(RunJudgement& judgement, const Evidence& evidence, const Bounds& bounds) {
   for (const auto& axis : evidence.axes) {
     judgement.add(limit_of(axis, evidence, bounds));
     for (const auto& wire : wires_of(axis, evidence, bounds))
@@ -307,7 +307,7 @@ std::vector<Broken> judge(const Reader& run, const Reader* numerical) {
   const Config& experiment = *recorded;
   const Bounds bounds = read_bounds(experiment.table_or_empty("conclusive"));
   const Evidence evidence = run.rows() > 1 ? gather(run, experiment) : Evidence{};
-  Judgement judgement{evidence.axes};
+  RunJudgement judgement{evidence.axes};
   judge_run(judgement, run, experiment, bounds);
   judge_axes(judgement, evidence, bounds);
   if (numerical != nullptr && run.rows() > 1)

@@ -107,7 +107,7 @@ std::vector<Wire> wires_of(const AxisEvidence& axis, const Evidence& all, const 
 Break wire_of(const Wire& wire, const Evidence& all) {
   for (const auto& window : windows(all, kSecond)) {
     if (window.end - window.begin <= 2 * wire.latest) return {};
-    const Fit best =
+    const Proportion best =
         (wire.is_copy ? fit_copy : fit_delayed)(*wire.from, *wire.to, window, wire.latest);
     const double larger = std::max(best.reference, best.response);
     if (larger <= wire.least || best.difference <= wire.bound * larger) continue;
@@ -156,7 +156,7 @@ Break tracking_of(const AxisEvidence& axis, const Evidence& all, const Bounds& b
 Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds) {
   const auto& d = axis.displacement;
   const auto error = difference(d.values, axis.command.values);
-  const auto beyond = [&](const Window& window, double allowed) -> Break {
+  const auto beyond = [&](const TickSpan& window, double allowed) -> Break {
     const double offset = maths::mean(part(error, window));
     if (std::abs(offset) <= allowed) return {};
     return Broken{"offset", all.time[window.begin], d.name,
@@ -167,7 +167,7 @@ Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
     if (auto at_rest = beyond({0, all.rest}, bounds.resolution)) return at_rest;
   const double allowed = std::max(bounds.offset * axis.largest_command, 2 * bounds.resolution);
   for (const auto& window : windows(all, kTrackingWindow)) {
-    const Fit f = fit(part(axis.command.values, window), part(d.values, window));
+    const Proportion f = fit(part(axis.command.values, window), part(d.values, window));
     const bool is_still = std::max(f.reference, f.response) < bounds.resolution;
     if (!is_still && f.correlation < kFollows) continue;
     if (auto broken = beyond(window, allowed)) return broken;

@@ -44,7 +44,7 @@ std::vector<double> integral(const std::vector<double>& x, double interval) {
 
 }  // namespace
 
-std::string proportion(const Fit& f, const std::string& reference) {
+std::string proportion(const Proportion& f, const std::string& reference) {
   constexpr double kDead = 0.02, kRelated = 0.5;
   if (f.response < kDead * f.reference) return "constant, independent of " + reference;
   if (std::abs(f.correlation) < kRelated) return "unrelated to " + reference;
@@ -83,12 +83,12 @@ Break motion_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
   const double judged = std::max(bounds.resolution, kJudgedInertia * axis.largest_force /
                                                         axis.effective_mass * span_s * span_s);
   for (const auto& window : windows(all, kForceWindow)) {
-    const Fit f = fit(part(by_acceleration, window), part(by_displacement, window));
+    const Proportion f = fit(part(by_acceleration, window), part(by_displacement, window));
     const double larger = std::max(f.reference, f.response);
     if (larger < judged) continue;
     if (f.difference <= bounds.motion * larger) continue;
     const auto is_plausible = [&](const std::vector<double>& motion) {
-      const Fit of_servo = fit_delayed(referred, {"", motion}, window, servo_delay);
+      const Proportion of_servo = fit_delayed(referred, {"", motion}, window, servo_delay);
       return of_servo.gain > kLeastServoGain && of_servo.gain < kLargestServoGain;
     };
     const bool blames_acceleration =
@@ -132,14 +132,15 @@ Break saturation_of(const AxisEvidence& axis, const Evidence& all, std::size_t e
 namespace {
 
 // The measured force in a window beside that of the model under the measured motion.
-Break force_in(const Window& window, const AxisEvidence& axis, const Evidence& all,
+Break force_in(const TickSpan& window, const AxisEvidence& axis, const Evidence& all,
                const Bounds& bounds) {
   const auto& measured = axis.specimen_force.values;
   const auto& model = axis.model_force;
   const double largest = axis.largest_force;
-  const Fit f = fit(part(model, window), part(measured, window));
+  const Proportion f = fit(part(model, window), part(measured, window));
   const double offset = maths::mean(part(measured, window)) - maths::mean(part(model, window));
-  const Fit moved = fit(part(axis.command.values, window), part(axis.displacement.values, window));
+  const Proportion moved =
+      fit(part(axis.command.values, window), part(axis.displacement.values, window));
   const bool is_strong = std::max(f.reference, f.response) > kStrong * largest &&
                          std::max(moved.reference, moved.response) > 2 * bounds.resolution;
   const auto broken = [&](const std::string& found, const std::string& expected) {

@@ -31,11 +31,11 @@ std::string node_of(const std::string& signal, const std::string& end) {
 }
 
 /// Rows of the time before a trip.
-struct Rows {
+struct RowsBeforeTrip {
   std::size_t begin, end;
 };
 
-Rows rows_before(const Reader& run, double time) {
+RowsBeforeTrip rows_before(const Reader& run, double time) {
   const auto& times = run.time();
   const auto begin = std::lower_bound(times.begin(), times.end(), time - kMemory);
   const auto end = std::upper_bound(begin, times.end(), time);
@@ -44,7 +44,7 @@ Rows rows_before(const Reader& run, double time) {
 }
 
 // The node that was latest, by a control period or more.
-std::string latest_node(const Reader& run, const Rows& rows, double period) {
+std::string latest_node(const Reader& run, const RowsBeforeTrip& rows, double period) {
   const std::string end = ".host.late";
   std::string text;
   double most = 0;
@@ -60,7 +60,7 @@ std::string latest_node(const Reader& run, const Rows& rows, double period) {
   return text;
 }
 
-std::string late_target(const Reader& run, const Rows& rows) {
+std::string late_target(const Reader& run, const RowsBeforeTrip& rows) {
   const std::string signal = recording::roles_of(run).monitor_of_controller() + "pc.state";
   if (!run.has(signal)) return "";
   const auto state = run.signal(signal);
@@ -73,7 +73,7 @@ std::string late_target(const Reader& run, const Rows& rows) {
 }  // namespace
 
 std::string lateness_before(const Reader& run, double time) {
-  const Rows rows = rows_before(run, time);
+  const RowsBeforeTrip rows = rows_before(run, time);
   const std::string node = latest_node(run, rows, lateness_of(run).period);
   return node.empty() ? late_target(run, rows) : node;
 }
@@ -84,7 +84,7 @@ std::string lateness_before_trip(const Reader& run) {
 }
 
 std::string late_host_in(const Reader& run) {
-  const HostLateness host = lateness_of(run);
+  const RecordedLateness host = lateness_of(run);
   const auto& late = host.late.values;
   double most = 0;
   std::size_t count = 0;

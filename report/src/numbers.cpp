@@ -51,7 +51,7 @@ Json optional_ms(const std::optional<double>& seconds) {
 Json spectrum_ratios(const FloorSpectra& floor, const std::string& of,
                      const std::vector<double>& frequencies) {
   const auto found = std::find_if(floor.spectra.begin(), floor.spectra.end(),
-                                  [&](const Spectrum& spectrum) { return spectrum.of == of; });
+                                  [&](const FloorSpectrum& spectrum) { return spectrum.of == of; });
   if (found == floor.spectra.end()) return nullptr;
   Json ratios;
   for (const auto& band : kBands) {

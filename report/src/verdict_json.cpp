@@ -146,7 +146,7 @@ Json description_json(const diagnosis::Description& description) {
           {"y", numbers(description.y)},    {"band", numbers(description.band)}};
 }
 
-Json evidence_json(const diagnosis::Evidence& evidence) {
+Json evidence_json(const diagnosis::CandidateEvidence& evidence) {
   return {{"name", evidence.name},
           {"title", evidence.title},
           {"gain_nat", number(evidence.gain)},

@@ -24,10 +24,10 @@ namespace rths::session {
 namespace {
 
 /// What follows a completed test whose specimen responds.
-class Conclusion {
+class RunConclusion {
  public:
-  Conclusion(const RunSettings& settings, const Experiment& experiment, const Progress& progress,
-             RunResult& result)
+  RunConclusion(const RunSettings& settings, const Experiment& experiment, const Progress& progress,
+                RunResult& result)
       : settings_{settings}, experiment_{experiment}, progress_{progress}, result_{result} {}
 
   void all() {
@@ -149,7 +149,7 @@ void conclude(const RunSettings& settings, const Experiment& experiment, const P
   compress(recording, progress);
   if (experiment.history) return;
   result.broken = report::judge(recording::Reader{recording});
-  Conclusion{settings, experiment, progress, result}.all();
+  RunConclusion{settings, experiment, progress, result}.all();
 }
 
 void report_end(RunResult& result) {

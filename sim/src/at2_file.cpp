@@ -27,7 +27,7 @@ struct Token {
 };
 using Tokens = std::vector<Token>;
 
-struct Header {
+struct At2Header {
   double count = 0, step = 0;  // [-], [s]
   std::size_t line = 0;        // of NPTS
   std::size_t end = 0;         // its last line
@@ -119,7 +119,7 @@ std::optional<Pair> assigned(const Tokens& tokens) {
 }
 
 // NPTS and DT of one line, or of two adjacent ones.
-Tokens tokens_of_header(const MotionText& text, Header& header) {
+Tokens tokens_of_header(const MotionText& text, At2Header& header) {
   Tokens tokens = tokens_of(text.lines[header.line]);
   if (count_of(tokens, Token::Kind::Step) > 0) return tokens;
   if (header.line + 1 < text.lines.size()) {
@@ -137,7 +137,7 @@ Tokens tokens_of_header(const MotionText& text, Header& header) {
 }
 
 // "NPTS, DT" alone: the numbers are in the line above or below.
-void add_adjacent_numbers(const MotionText& text, Header& header, Tokens& tokens) {
+void add_adjacent_numbers(const MotionText& text, At2Header& header, Tokens& tokens) {
   const auto two_numbers = [&](std::size_t line) {
     std::vector<double> numbers;
     return line < text.lines.size() && is_row(text.lines[line], {}) &&
@@ -156,11 +156,11 @@ std::optional<std::size_t> line_of_count(const MotionText& text) {
   return std::nullopt;
 }
 
-Header read_header(const MotionText& text) {
+At2Header read_header(const MotionText& text) {
   const auto line = line_of_count(text);
   if (!line)
     throw Error{fmt::format("{}: no NPTS in the header, {}", text.file.string(), kExpected)};
-  Header header{.line = *line, .end = *line};
+  At2Header header{.line = *line, .end = *line};
   const auto fail = [&](const std::string& found) {
     text.fail(header.line, fmt::format("{} in '{}', {}", found,
                                        trimmed(text.lines[header.line].substr(0, 100)), kExpected));
@@ -208,7 +208,7 @@ std::size_t first_value(const MotionText& text, std::size_t at) {
 }
 
 // Columns may keep the header: NPTS counts their rows.
-MotionFile read_with_time(const MotionText& text, const Header& header) {
+MotionFile read_with_time(const MotionText& text, const At2Header& header) {
   MotionFile motion = read_columns(text);
   if (std::abs(motion.time_step - header.step) > kStepTolerance * header.step)
     text.fail(header.line, fmt::format("DT is {:g} s, but the first column has steps of {:g} s",
@@ -242,7 +242,7 @@ bool has_at2_header(const MotionText& text) {
 }
 
 MotionFile read_at2(const MotionText& text) {
-  const Header header = read_header(text);
+  const At2Header header = read_header(text);
   MotionFile motion{text.file, ".AT2", header.step, {}};
   MotionColumn column;
   const std::size_t begin = first_value(text, header.end + 1);

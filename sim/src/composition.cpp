@@ -43,10 +43,10 @@ void check(const TermKind& kind, const TermSettings& settings) {
   if (settings.axes != kBothAxes && (kind.traits & kPerAxis) == 0)
     throw Error{
         fmt::format("term '{}' couples both axes; it cannot be limited to one", name_of(settings))};
-  if (settings.channel != Channel::Force && (kind.traits & kPerChannel) == 0)
+  if (settings.channel != SensorChannel::Force && (kind.traits & kPerChannel) == 0)
     throw Error{
         fmt::format("term '{}' is not a sensor term; it has no channel", name_of(settings))};
-  if (settings.channel == Channel::AxialLoad &&
+  if (settings.channel == SensorChannel::AxialLoad &&
       (settings.axes != kBothAxes || (kind.traits & kPerAxis) == 0))
     throw Error{fmt::format("term '{}' acts on single axes, but the axial load has none",
                             name_of(settings))};

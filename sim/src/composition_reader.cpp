@@ -11,13 +11,13 @@ namespace rths::sim {
 namespace {
 
 struct ChannelName {
-  Channel channel;
+  SensorChannel channel;
   std::string_view name, unit;
 };
-constexpr ChannelName kChannels[] = {{Channel::Force, "force", "N"},
-                                     {Channel::Displacement, "displacement", "m"},
-                                     {Channel::Acceleration, "acceleration", "m/s2"},
-                                     {Channel::AxialLoad, "axial_load", "N"}};
+constexpr ChannelName kChannels[] = {{SensorChannel::Force, "force", "N"},
+                                     {SensorChannel::Displacement, "displacement", "m"},
+                                     {SensorChannel::Acceleration, "acceleration", "m/s2"},
+                                     {SensorChannel::AxialLoad, "axial_load", "N"}};
 
 unsigned read_axes(const Config& table, const TermKind& kind) {
   if (!table.has("axes")) return kBothAxes;
@@ -35,18 +35,18 @@ unsigned read_axes(const Config& table, const TermKind& kind) {
   return axes;
 }
 
-Channel read_channel(const Config& table, const TermKind& kind) {
-  if (!table.has("channel")) return Channel::Force;
+SensorChannel read_channel(const Config& table, const TermKind& kind) {
+  if (!table.has("channel")) return SensorChannel::Force;
   if ((kind.traits & kPerChannel) == 0)
     table.fail("channel", fmt::format("'{}' has no selectable channel", kind.name));
   const std::string name = table.text("channel");
   for (const auto& known : kChannels) {
     if (known.name != name) continue;
-    if (known.channel == Channel::AxialLoad && (kind.traits & kPerAxis) == 0)
+    if (known.channel == SensorChannel::AxialLoad && (kind.traits & kPerAxis) == 0)
       table.fail("channel", fmt::format("'{}' acts between the horizontal axes; the axial load has "
                                         "no axes",
                                         kind.name));
-    if (known.channel == Channel::AxialLoad && table.has("axes"))
+    if (known.channel == SensorChannel::AxialLoad && table.has("axes"))
       table.fail("axes", "axes is set, but the axial load has no axes");
     return known.channel;
   }
@@ -57,11 +57,11 @@ Channel read_channel(const Config& table, const TermKind& kind) {
 
 // The values of a key: none, one for both axes, or one per axis.
 std::vector<double> read_values(const Config& table, const std::string& key, const TermKind& kind,
-                                Channel channel) {
+                                SensorChannel channel) {
   if (!table.has(key)) return {};
   if (!table.is_array(key)) return {table.number(key)};
   auto values = table.numbers(key);
-  if (channel == Channel::AxialLoad)
+  if (channel == SensorChannel::AxialLoad)
     table.fail(key, fmt::format("{} is an array, but the axial load has no axes", key));
   if (table.has("axes"))
     table.fail(key,
@@ -93,7 +93,8 @@ std::vector<TermSettings> by_axis(const TermSettings& settings) {
 }
 
 // One term, or one per axis if a parameter is an array.
-std::vector<TermSettings> read_term(const std::string& name, const Config& table, Bounds bounds) {
+std::vector<TermSettings> read_term(const std::string& name, const Config& table,
+                                    ParameterBounds bounds) {
   TermSettings settings;
   settings.kind = table.text("kind", name);
   settings.name = name;
@@ -107,7 +108,7 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
     const std::string key = parameter_key(parameter, settings.channel);
     const auto values = read_values(table, key, kind, settings.channel);
     for (const double value : values)
-      if (bounds == Bounds::Catalogue) check_bounds(table, key, parameter, value);
+      if (bounds == ParameterBounds::Catalogue) check_bounds(table, key, parameter, value);
     if (values.size() == kHorizontalAxes && axes.empty()) axes = by_axis(settings);
     if (values.empty()) continue;
     settings.parameters.emplace_back(parameter.name, values[0]);
@@ -121,7 +122,7 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
 
 }  // namespace
 
-std::string parameter_key(const Parameter& parameter, Channel channel) {
+std::string parameter_key(const Parameter& parameter, SensorChannel channel) {
   std::string unit{parameter.unit};
   if (unit.starts_with(kChannelUnit))
     for (const auto& known : kChannels)
@@ -137,7 +138,7 @@ std::string parameter_key(const Parameter& parameter, Channel channel) {
   return key;
 }
 
-std::vector<TermSettings> read_terms(const Config& table, TermOwner owner, Bounds bounds) {
+std::vector<TermSettings> read_terms(const Config& table, TermOwner owner, ParameterBounds bounds) {
   std::vector<TermSettings> terms;
   for (const auto& key : table.keys()) {
     if (!table.is_table(key)) continue;

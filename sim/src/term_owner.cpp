@@ -5,8 +5,6 @@
 
 #include <rths/core/error.hpp>
 
-#include "terms/machine_kinds.hpp"
-
 namespace rths::sim {
 namespace {
 
@@ -39,7 +37,7 @@ void check_owner(const TermSettings& term, TermOwner owner) {
     throw Error{fmt::format("term '{}' belongs to the machine (stage {}), not to a specimen", name,
                             stage_name(kind.stage))};
   // A specimen's acceleration is unknown until its force has been computed.
-  if (kind.name == kPlatenInertia)
+  if ((kind.traits & kInertial) != 0)
     throw Error{
         fmt::format("term '{}' needs the acceleration, an input that a specimen does not have; it "
                     "belongs to the machine",

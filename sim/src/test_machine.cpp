@@ -10,7 +10,6 @@
 
 #include <rths/core/error.hpp>
 
-#include "terms/machine_kinds.hpp"
 #include "test_machine_check.hpp"
 
 namespace rths::sim {
@@ -39,7 +38,7 @@ coefficient_N_s_per_m = [716, 870]
 // acceleration depends on it.
 TestMachine with_inertia(TestMachine machine) {
   for (const auto& term : machine.terms)
-    if (term.kind == kPlatenInertia)
+    if (has_trait(term.kind, kInertial))
       for (std::size_t i = 0; i < machine.axes.size(); ++i)
         for (const auto& [name, mass] : term.parameters)
           if (name == "mass" && (term.axes >> i & 1U) != 0) machine.axes[i].effective_mass += mass;
@@ -153,7 +152,8 @@ TestMachineRun::Terms TestMachineRun::terms_of(const TestMachine& machine, Stage
                                                double time_step) {
   std::vector<TermSettings> wanted;
   for (const auto& term : machine.terms)
-    if (term_kind(term.kind).stage == stage && term.kind != kPlatenInertia) wanted.push_back(term);
+    if (term_kind(term.kind).stage == stage && !has_trait(term.kind, kInertial))
+      wanted.push_back(term);
   Composition composition{wanted, time_step};
   std::vector<double> state(composition.states());
   return {std::move(composition), std::move(state)};

@@ -102,7 +102,7 @@ struct Laboratory::State {
   TimePoint deadline;
   std::shared_ptr<SignalRing> ring;
   std::unique_ptr<SignalNode> observer;
-  std::optional<Recorder> recorder;
+  std::optional<WriteRecorder> recorder;
   std::map<std::string, std::unique_ptr<Link>> links;  ///< by node
   std::map<std::string, Started> programs;             ///< by name
 

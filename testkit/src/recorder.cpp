@@ -25,7 +25,7 @@ Duration look_period(const broker::Watch& watch, const memmap::Map& map) {
 
 }  // namespace
 
-Recorder::Recorder(const std::string& ring)
+WriteRecorder::WriteRecorder(const std::string& ring)
     : ring_{SignalRing::attach(ring)},
       observer_{ring_->ring().observe()},
       waiter_{ring_->ring().wait_for({}, Duration{0})},
@@ -42,7 +42,7 @@ Recorder::Recorder(const std::string& ring)
   thread_ = std::thread{[this] { record(); }};
 }
 
-void Recorder::record() {
+void WriteRecorder::record() {
   const WallClock clock;
   broker::Watch& watch = *watch_;
   TimePoint next_look{0};
@@ -63,7 +63,7 @@ void Recorder::record() {
   }
 }
 
-void Recorder::take(const broker::Write& write) {
+void WriteRecorder::take(const broker::Write& write) {
   const Duration time = WallClock{}.now() - begun_;
   const std::span<const std::uint32_t> words =
       write.group.empty() ? std::span{&write.value, 1} : write.group;
@@ -78,13 +78,13 @@ void Recorder::take(const broker::Write& write) {
   }
 }
 
-void Recorder::end() {
+void WriteRecorder::end() {
   ends_.store(true);
   if (thread_.joinable()) thread_.join();
   watch_.reset();
 }
 
-void Recorder::write(const std::filesystem::path& file) {
+void WriteRecorder::write(const std::filesystem::path& file) {
   end();
   const auto& signals = ring_->map().signals();
   std::vector<SignalId> ids;

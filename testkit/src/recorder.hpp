@@ -18,12 +18,12 @@ namespace rths::testkit {
 
 /// Keeps every change of a ring in memory, in a thread of its own, and journals the stores of
 /// programs for the cards, so that others can follow them. Finds stores into words of others.
-class Recorder {
+class WriteRecorder {
  public:
-  explicit Recorder(const std::string& ring);
-  ~Recorder() { end(); }
-  Recorder(const Recorder&) = delete;
-  Recorder& operator=(const Recorder&) = delete;
+  explicit WriteRecorder(const std::string& ring);
+  ~WriteRecorder() { end(); }
+  WriteRecorder(const WriteRecorder&) = delete;
+  WriteRecorder& operator=(const WriteRecorder&) = delete;
 
   /// Stores that were not made by the word's owner.
   [[nodiscard]] const ForeignLog& foreign_log() const { return foreign_log_; }

@@ -45,8 +45,8 @@ std::string node_of(const Config& table, const memmap::Map& map, const std::stri
   return node;
 }
 
-Fault read_fault(const Config& table, const memmap::Map& map) {
-  Fault fault;
+PlannedFault read_fault(const Config& table, const memmap::Map& map) {
+  PlannedFault fault;
   fault.at = time_of(table, "at_s", 0.0);
   fault.kind = table.text("kind");
   if (std::find(kKinds.begin(), kKinds.end(), fault.kind) == kKinds.end())
@@ -106,7 +106,7 @@ Expectation read_expectation(const Config& table) {
 }
 
 // Finds the program of a fault. It is linked if the fault changes its messages.
-void find_program(const Config& table, Fault& fault, std::vector<Program>& programs) {
+void find_program(const Config& table, PlannedFault& fault, std::vector<Program>& programs) {
   const auto found = std::find_if(programs.begin(), programs.end(), [&](const Program& program) {
     return program.node == fault.node;
   });

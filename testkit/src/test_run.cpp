@@ -64,7 +64,7 @@ std::vector<Check> checks_of(const TestFile& test, SignalRing& ring) {
   return checks;
 }
 
-void begin_fault(Laboratory& laboratory, const Fault& fault) {
+void begin_fault(Laboratory& laboratory, const PlannedFault& fault) {
   if (fault.kind == "kill") laboratory.kill(fault.program);
   if (fault.kind == "freeze") laboratory.freeze(fault.program);
   if (fault.kind == "delay") laboratory.delay(fault.node, fault.delay);
@@ -74,9 +74,9 @@ void begin_fault(Laboratory& laboratory, const Fault& fault) {
 }
 
 /// The programs of a test, its faults and its expectations, from the begin on.
-class Course {
+class TestCourse {
  public:
-  Course(const TestFile& test, Laboratory& laboratory)
+  TestCourse(const TestFile& test, Laboratory& laboratory)
       : test_{test}, laboratory_{laboratory}, checks_{checks_of(test, *laboratory.ring())} {
     for (const auto& fault : test.faults) {
       events_.emplace(fault.at, [&] { begin_fault(laboratory_, fault); });
@@ -160,7 +160,7 @@ class Course {
       return false;
     });
   }
-  void end_fault(const Fault& fault) {
+  void end_fault(const PlannedFault& fault) {
     if (fault.kind == "freeze") return laboratory_.thaw(fault.program);
     laboratory_.restore(fault.node);
   }
@@ -246,7 +246,7 @@ TestResult run_test(const TestFile& test, const std::filesystem::path& folder,
   try {
     const WallClock clock;
     const TimePoint latest = clock.now() + from_seconds(test.deadline);
-    Course{test, laboratory}.run([&] {
+    TestCourse{test, laboratory}.run([&] {
       if (clock.now() > latest)
         throw NotMet{fmt::format("the test did not end within {:g} s", test.deadline)};
       return is_interrupted();

@@ -67,9 +67,9 @@ TEST_P(EachFacility, AcceptsAllSignalsOfItsBlock) {
   EXPECT_EQ(points.trial.size(), static_cast<std::size_t>(dofs) * commands.size());
   EXPECT_EQ(points.output.size(), static_cast<std::size_t>(dofs) * feedbacks.size());
   // The first and the last word that the controller reads and writes.
-  EXPECT_EQ(points.trial.front().word.quantity, Quantity::Displacement);
+  EXPECT_EQ(points.trial.front().word.quantity, OpfQuantity::Displacement);
   EXPECT_EQ(points.output.back().word.quantity,
-            feedbacks.size() == 2 ? Quantity::Force : Quantity::Time);
+            feedbacks.size() == 2 ? OpfQuantity::Force : OpfQuantity::Time);
 }
 
 TEST_P(EachFacility, RefusesASignalTooFewOrTooMany) {

@@ -65,9 +65,9 @@ OpenSeesSettings settings_of(const test::TemporaryFolder& folder, const std::str
     element.is_rotation = {false};
     element.axes = {{point(i)}};
     settings.layout.commands.push_back(
-        {"opf." + point(i) + ".displ.target", point(i), Quantity::Displacement, "m"});
+        {"opf." + point(i) + ".displ.target", point(i), OpfQuantity::Displacement, "m"});
     settings.layout.feedbacks.push_back(
-        {"daq." + point(i) + ".force.fbk", point(i), Quantity::Force, "N"});
+        {"daq." + point(i) + ".force.fbk", point(i), OpfQuantity::Force, "N"});
     element.initial_stiffness = SquareMatrix::diagonal(1, stiffness(i));
     element.damping = element.mass = SquareMatrix::diagonal(1, 0);
     settings.elements.push_back(element);

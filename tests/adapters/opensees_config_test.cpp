@@ -140,8 +140,8 @@ TEST(OpenSeesConfig, SaysWhatIsWrongAndWhere) {
 TEST(OpenSeesAdapterWords, SaysWhichAxisALaboratoryLacks) {
   OpenSeesSettings settings;
   settings.elements = {element_of("dofs = [\"long\"]\n")};
-  settings.layout.commands = {{"opf.displ.target", "1", Quantity::Displacement, "m"}};
-  settings.layout.feedbacks = {{"daq.force.fbk", "1", Quantity::Force, "N"}};
+  settings.layout.commands = {{"opf.displ.target", "1", OpfQuantity::Displacement, "m"}};
+  settings.layout.feedbacks = {{"daq.force.fbk", "1", OpfQuantity::Force, "N"}};
   const auto message = [&] {
     try {
       static_cast<void>(make_opensees(settings));

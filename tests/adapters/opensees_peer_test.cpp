@@ -40,8 +40,8 @@ OpenSeesSettings one_element_at(std::uint16_t port, bool is_udp = false) {
   element.initial_stiffness = SquareMatrix::diagonal(1, 1);
   element.damping = element.mass = SquareMatrix::diagonal(1, 0);
   settings.elements = {element};
-  settings.layout.commands = {{"opf.long", "long", Quantity::Displacement, "m"}};
-  settings.layout.feedbacks = {{"daq.long", "long", Quantity::Force, "N"}};
+  settings.layout.commands = {{"opf.long", "long", OpfQuantity::Displacement, "m"}};
+  settings.layout.feedbacks = {{"daq.long", "long", OpfQuantity::Force, "N"}};
   return settings;
 }
 

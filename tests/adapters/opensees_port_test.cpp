@@ -44,8 +44,9 @@ OpenSeesSettings settings_at(std::uint16_t port, bool is_udp) {
   settings.elements = {element};
   for (const char* axis : {"long", "lat"}) {
     settings.layout.commands.push_back(
-        {std::string{"opf."} + axis, axis, Quantity::Displacement, "m"});
-    settings.layout.feedbacks.push_back({std::string{"daq."} + axis, axis, Quantity::Force, "N"});
+        {std::string{"opf."} + axis, axis, OpfQuantity::Displacement, "m"});
+    settings.layout.feedbacks.push_back(
+        {std::string{"daq."} + axis, axis, OpfQuantity::Force, "N"});
   }
   return settings;
 }
@@ -181,7 +182,7 @@ TEST(OpenSeesPort, AnswersAForeignProgramWithAllMeasurements) {
   auto settings = settings_at(port, false);
   for (const char* axis : {"long", "lat"})
     settings.layout.feedbacks.push_back(
-        {std::string{"daq.displ."} + axis, axis, Quantity::Displacement, "m"});
+        {std::string{"daq.displ."} + axis, axis, OpfQuantity::Displacement, "m"});
   const auto adapter = make_opensees(settings);
   enum In { kAtTarget, kSwitchPc, kForces, kDisplacements = 4, kInputs = 6 };
   std::vector<double> inputs(kInputs), outputs(adapter->ports().size() - kInputs);
@@ -247,7 +248,7 @@ class Bench {
   static OpenSeesSettings with_displacements(OpenSeesSettings settings) {
     for (const char* axis : {"long", "lat"})
       settings.layout.feedbacks.push_back(
-          {std::string{"daq.displ."} + axis, axis, Quantity::Displacement, "m"});
+          {std::string{"daq.displ."} + axis, axis, OpfQuantity::Displacement, "m"});
     return settings;
   }
   std::unique_ptr<Adapter> adapter_;
@@ -287,8 +288,8 @@ TEST(OpenSeesPort, DoesNotProbeBeforeOpenSeesConnects) {
 TEST(OpenSeesPort, RefusesToIdentifyWithATooLongTargetInterval) {
   auto settings = settings_at(test::free_port(), false);
   settings.elements[0].mass.reset();
-  settings.layout.feedbacks.push_back({"daq.d.long", "long", Quantity::Displacement, "m"});
-  settings.layout.feedbacks.push_back({"daq.d.lat", "lat", Quantity::Displacement, "m"});
+  settings.layout.feedbacks.push_back({"daq.d.long", "long", OpfQuantity::Displacement, "m"});
+  settings.layout.feedbacks.push_back({"daq.d.lat", "lat", OpfQuantity::Displacement, "m"});
   settings.simulation_step = 0.2;
   EXPECT_THROW(static_cast<void>(make_opensees(settings)), Error);
 }

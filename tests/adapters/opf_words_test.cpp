@@ -16,15 +16,15 @@ using Eigen::VectorXd;
 // Two axes with three quantities each, and a time.
 OpfLayout layout() {
   OpfLayout layout;
-  for (const auto& [name, quantity, unit] :
-       {std::tuple{"displ", Quantity::Displacement, "m"},
-        std::tuple{"veloc", Quantity::Velocity, "m/s"}, std::tuple{"force", Quantity::Force, "N"}})
+  for (const auto& [name, quantity, unit] : {std::tuple{"displ", OpfQuantity::Displacement, "m"},
+                                             std::tuple{"veloc", OpfQuantity::Velocity, "m/s"},
+                                             std::tuple{"force", OpfQuantity::Force, "N"}})
     for (const char* axis : {"long", "vert"})
       layout.commands.push_back(
           {std::string{"opf."} + axis + "." + name, axis, quantity, unit, 0.0254});
-  layout.commands.push_back({"opf.1.time", "1", Quantity::Time, "s"});
-  for (const auto& [name, quantity, unit] : {std::tuple{"displ", Quantity::Displacement, "m"},
-                                             std::tuple{"force", Quantity::Force, "N"}})
+  layout.commands.push_back({"opf.1.time", "1", OpfQuantity::Time, "s"});
+  for (const auto& [name, quantity, unit] : {std::tuple{"displ", OpfQuantity::Displacement, "m"},
+                                             std::tuple{"force", OpfQuantity::Force, "N"}})
     for (const char* axis : {"long", "vert"})
       layout.feedbacks.push_back(
           {std::string{"daq."} + axis + "." + name, axis, quantity, unit, 0.0254});

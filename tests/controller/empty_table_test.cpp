@@ -90,7 +90,7 @@ TEST_P(EmptyTable, IdentifiesTheMachinesOwnForce) {
   EXPECT_NEAR(found.machine.viscous_friction, truth.viscous_friction, found.viscous_friction_95);
   EXPECT_LT(found.residual_rms, 10e3);
   // The residual is only the sensors' noise, 5 kN and 5 mg.
-  const sim::SensorNoise noise;
+  const sim::SensorNoiseLevels noise;
   const double expected = std::hypot(noise.force, truth.effective_mass * noise.acceleration);
   EXPECT_NEAR(found.residual_rms, expected, 0.03 * expected);
 }

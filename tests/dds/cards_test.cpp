@@ -187,7 +187,7 @@ TEST_F(CardsTest, SendInterruptsOfAQueueOnceAndCountOverwrittenOnes) {
   EXPECT_TRUE(taken.empty());
   // The receiver's mask has number 5 only.
   EXPECT_EQ(receiver.card->gt.tail.load(), 511U);
-  scramnet::GtInterrupt last;
+  scramnet::QueuedInterrupt last;
   ASSERT_TRUE(read(receiver.card->gt, 510, last));
   EXPECT_EQ(last.value, 1198U);
 }

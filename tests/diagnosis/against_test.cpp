@@ -24,7 +24,7 @@ Case measured() {
   Case c;
   c.name = "table";
   c.records = {record, other, rest};
-  c.model.kind = "bearing";
+  c.model.kind = ModelKind::Bearing;
   return c;
 }
 
@@ -54,7 +54,7 @@ TEST_F(AgainstTest, PredictsAtTheTimesOfTheRecord) {
   for (std::size_t i = 0; i <= 10; ++i)
     EXPECT_NEAR(force->values[i], i <= 5 ? 10.0 * double(i) : 40 + 2.0 * double(i), 1e-9) << i;
   EXPECT_EQ(c.records[0].find("predicted.displacement.long"), nullptr);
-  EXPECT_EQ(c.model.kind, "data");
+  EXPECT_EQ(c.model.kind, ModelKind::Data);
 }
 
 TEST_F(AgainstTest, DropsRecordsOfOtherMotions) {

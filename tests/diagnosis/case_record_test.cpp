@@ -464,9 +464,9 @@ TEST_F(RecordTest, ReadsTheRateOfTheModel) {
 TEST_F(RecordTest, AcceptsHyphensInKindsOfModels) {
   for (const char* spelling : {"mass-spring-damper", "mass_spring_damper", "mass spring damper"})
     EXPECT_EQ(load(std::string{kFit} + "[model]\nkind = \"" + spelling + "\"\n").model.kind,
-              "mass_spring_damper");
+              ModelKind::MassSpringDamper);
   EXPECT_EQ(load(std::string{kFit} + "[model]\nkind = \"servo-hydraulic axis\"\n").model.kind,
-            "servo_axis");
+            ModelKind::ServoAxis);
 }
 
 class BinaryRecordTest : public RecordTest {

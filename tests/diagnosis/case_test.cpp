@@ -76,7 +76,7 @@ TEST_F(CaseTest, ReadsChannelsInSi) {
 TEST_F(CaseTest, ReadsTheModelOfTheSimulation) {
   const Model model = load().model;
 
-  EXPECT_EQ(model.kind, "bearing");
+  EXPECT_EQ(model.kind, ModelKind::Bearing);
   ASSERT_EQ(model.fitted.size(), 1U);
   EXPECT_EQ(model.fitted[0].bounds->second, 9e6);
   EXPECT_TRUE(model.table.is_table("bouc_wen"));

@@ -28,7 +28,7 @@ Case guide() {
   c.name = "guide";
   c.records = {record_of_guide("fit.csv", Use::Fit, 1),
                record_of_guide("unseen.csv", Use::HeldOut, 2)};
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[polynomial_stiffness]\nlinear_N_per_m = 200_000\n"
       "[viscous_friction]\ncoefficient_N_s_per_m = 3_000\n",
@@ -98,7 +98,7 @@ Case two_outputs(const std::string& second_unit) {
         {"output.second", second_unit, std::vector<double>(record.samples(), 7)});
   }
   c.model = {};
-  c.model.kind = "linear";
+  c.model.kind = ModelKind::Linear;
   c.model.table = Config::parse(
       "inputs = [\"input.u\"]\noutputs = [\"output.f\", \"output.second\"]\n"
       "A = [[-10]]\nB = [[1]]\nC = [[1e6], [0]]\n",
@@ -133,7 +133,7 @@ TEST(CheckedRecords, HaveCompressionAsPositive) {
   EXPECT_EQ(count("unseen.csv: " + tension + "."), 0);
   fill(c.records[1], "vertical_force", kLoad);
   EXPECT_EQ(count("unseen.csv: " + tension + "."), 1);
-  c.model.kind = "bearing";
+  c.model.kind = ModelKind::Bearing;
   EXPECT_EQ(error_of(c), "unseen.csv: " + tension);
   // Noise of an empty load cell.
   fill(c.records[1], "vertical_force", -1);

@@ -50,7 +50,7 @@ Case case_of(const Hidden& hidden) {
   c.name = "guide";
   c.records = {record_of("fit", Use::Fit, 1, hidden), record_of("second", Use::HeldOut, 2, hidden),
                record_of("unseen", Use::HeldOut, 3, hidden)};
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = 210_000\n"
       "[viscous_friction]\naxes = [\"long\"]\ncoefficient_N_s_per_m = 2_500\n"

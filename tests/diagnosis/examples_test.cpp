@@ -29,7 +29,7 @@ TEST_P(ExampleCase, NamesItsMissingEffect) {
 
   const Verdict verdict = diagnose(c);
 
-  EXPECT_EQ(c.model.kind, kind);
+  EXPECT_EQ(name_of(c.model.kind), kind);
   ASSERT_EQ(verdict.conclusion.outcome, Outcome::Missing) << verdict.sentence;
   const std::string& name = verdict.conclusion.causes[0].name;
   EXPECT_NE(std::find(causes.begin(), causes.end(), name), causes.end()) << verdict.sentence;

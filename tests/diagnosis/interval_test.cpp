@@ -72,7 +72,7 @@ Case case_of(unsigned seed) {
   c.records = {record_of("fit", Use::Fit, kFitPhase, random),
                record_of("second", Use::HeldOut, kSecondPhase, random),
                record_of("unseen", Use::HeldOut, kUnseenPhase, random)};
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = 210_000\n"
       "[viscous_friction]\naxes = [\"long\"]\ncoefficient_N_s_per_m = 2_500\n",

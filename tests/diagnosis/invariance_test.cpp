@@ -46,7 +46,7 @@ Case case_of(Hidden hidden, double force = 1, double length = 1) {
   for (auto& record : c.records)
     for (auto& channel : record.channels)
       for (double& value : channel.values) value /= channel.unit == "N" ? force : length;
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       fmt::format("[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = {}\n"
                   "[viscous_friction]\naxes = [\"long\"]\ncoefficient_N_s_per_m = {}\n"

@@ -110,7 +110,7 @@ Case rubber_case(double relaxation_time) {
   c.records = {recorded("fit", Use::Fit, specimen, sine(0.03, 0.5), kLength, channels, 1),
                recorded("second", Use::HeldOut, specimen, sine(0.025, 0.5), kLength, channels, 2),
                recorded("unseen", Use::HeldOut, specimen, sine(0.02, 0.5), kLength, channels, 3)};
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = 210_000\n", "model");
   c.model.fitted = {{"polynomial_stiffness.linear", std::nullopt}};
@@ -213,7 +213,7 @@ TEST_P(LateActuator, IsIdentifiedByTheProposedTest) {
   c.records = {recorded("fit", Use::Fit, specimen, sine(0.03, 0.5), kLength, channels, 1),
                recorded("second", Use::HeldOut, specimen, sine(0.025, 0.5), kLength, channels, 2),
                recorded("unseen", Use::HeldOut, specimen, sine(0.02, 0.5), kLength, channels, 3)};
-  c.model.kind = "servo_axis";
+  c.model.kind = ModelKind::ServoAxis;
   const Verdict tied = diagnose(c);
   ASSERT_EQ(tied.conclusion.outcome, Outcome::Missing) << tied.sentence;
   ASSERT_TRUE(is_tied(tied, "actuator_delay")) << tied.sentence;

@@ -32,7 +32,7 @@ Case case_of(std::vector<Record> records) {
   Case c;
   c.name = "guide";
   c.records = std::move(records);
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[polynomial_stiffness]\naxes = [\"long\"]\nlinear_N_per_m = 200_000\n"
       "[viscous_friction]\naxes = [\"long\"]\ncoefficient_N_s_per_m = 3_000\n"

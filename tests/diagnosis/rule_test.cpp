@@ -67,7 +67,7 @@ Verdict verdict_of(const Bearing& bearing) {
   c.records = {record_of("fit", Use::Fit, 1, bearing),
                record_of("second", Use::HeldOut, 2, bearing),
                record_of("unseen", Use::HeldOut, 3, bearing)};
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[bouc_wen]\ncharacteristic_strength_N = 42_000\npost_yield_stiffness_N_per_m = 210_000\n"
       "yield_displacement_m = 0.009\n"

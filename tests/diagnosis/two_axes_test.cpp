@@ -50,7 +50,7 @@ Verdict verdict_on(const Law& longitudinal, const Law& lateral,
     }
     c.records.push_back(record);
   }
-  c.model.kind = "platen";
+  c.model.kind = ModelKind::Platen;
   c.model.table = Config::parse(
       "[polynomial_stiffness]\nlinear_N_per_m = 210_000\n"
       "[viscous_friction]\ncoefficient_N_s_per_m = " +

@@ -44,7 +44,7 @@ struct Examined {
     for (const auto& record : records) all.push_back(&record);
     sensors = std::make_unique<SensorNoise>(
         all, std::vector<std::pair<std::string, double>>{{"output.0", 1}});
-    Progress progress;
+    DiagnosisProgress progress;
     return examine(std::move(relation), records, *sensors, 1, progress);
   }
 };
@@ -154,7 +154,7 @@ bool is_unknown_beside(bool has_line_at_rest) {
   for (const auto& record : records) all.push_back(&record);
   for (const auto& rest : rests) all.push_back(&rest);
   const SensorNoise sensors{all, {}};
-  Progress progress;
+  DiagnosisProgress progress;
   const auto found = examine(std::make_unique<TwoOutputs>(), records, sensors, 1, progress);
   EXPECT_EQ(sensors.lines().empty(), !has_line_at_rest);
   EXPECT_TRUE(found->proof.is_systematic());

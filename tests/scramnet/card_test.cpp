@@ -204,7 +204,7 @@ TEST(GtQueue, SkipsAWriterThatDied) {
   card->queue[2].stamp.store(3);
   ASSERT_TRUE(push(*card, {1, 2, 3, 6}, self, kNobody));
 
-  GtInterrupt found;
+  QueuedInterrupt found;
   EXPECT_EQ(card->tail.load(), 4U);
   EXPECT_TRUE(read(*card, 3, found));
   EXPECT_EQ(found.value, 6U);
@@ -227,7 +227,7 @@ TEST(GtQueue, LosesNothingWithSeveralWriters) {
 
   std::array<std::uint32_t, kThreads> next{};
   for (std::uint64_t position = 0; position < kThreads * kEach; ++position) {
-    GtInterrupt found;
+    QueuedInterrupt found;
     ASSERT_TRUE(read(*card, position, found));
     EXPECT_EQ(found.value, next[found.source]++) << "in each writer's order";
   }

@@ -86,7 +86,7 @@ TEST(CaseOfARun, HoldsTheMeasurementsUnderBothEarthquakes) {
   const Case c = case_with(folder.path(), {});
 
   EXPECT_EQ(c.name, "srmd_lprb_2d");
-  EXPECT_EQ(c.model.kind, "platen");
+  EXPECT_EQ(c.model.kind, ModelKind::Platen);
   EXPECT_EQ(c.model.fitted.size(), 4U);
   EXPECT_FALSE(c.model.table.has("lead_heating"));
   ASSERT_EQ(c.records.size(), 2U);

@@ -151,7 +151,7 @@ TEST(LeadRubberDesign, OfThePapersBearingAgreesWithItsFile) {
   for (const auto& term : terms_of(d)) {
     const Config table = file.table(term.kind);
     for (const auto& parameter : term_kind(term.kind).parameters) {
-      const std::string key = parameter_key(parameter, Channel::Force);
+      const std::string key = parameter_key(parameter, SensorChannel::Force);
       if (!table.has(key)) continue;
       const auto derived =
           std::find_if(term.parameters.begin(), term.parameters.end(),

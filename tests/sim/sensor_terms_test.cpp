@@ -15,7 +15,7 @@ using test_support::kStep;
 using test_support::Stepper;
 using test_support::Values;
 
-TermSettings on(Channel channel, const std::string& kind, const Values& values,
+TermSettings on(SensorChannel channel, const std::string& kind, const Values& values,
                 unsigned axes = kBothAxes) {
   return {kind, "", values, axes, channel};
 }
@@ -32,7 +32,7 @@ double read(const TermSettings& sensor, double x) {
 }
 
 TEST(SensorTerms, ActOnTheirChannelAndAxesOnly) {
-  Stepper sensor{{on(Channel::Acceleration, "offset", {{"offset", 0.5}}, 0b10)}, kStep};
+  Stepper sensor{{on(SensorChannel::Acceleration, "offset", {{"offset", 0.5}}, 0b10)}, kStep};
 
   const auto q = sensor.step(readings(1));
 
@@ -42,18 +42,18 @@ TEST(SensorTerms, ActOnTheirChannelAndAxesOnly) {
 }
 
 TEST(SensorTerms, ActOnTheAxialLoad) {
-  Stepper sensor{{on(Channel::AxialLoad, "gain", {{"factor", 1.5}})}, kStep};
+  Stepper sensor{{on(SensorChannel::AxialLoad, "gain", {{"factor", 1.5}})}, kStep};
   EXPECT_EQ(sensor.step(readings(2)).axial_load, 3);
 }
 
 TEST(SensorTerms, HaveParametersInTheUnitOfTheirChannel) {
   const auto& drift = term_kind("drift").parameters[0];
-  EXPECT_EQ(parameter_key(drift, Channel::Force), "rate_N_per_s");
-  EXPECT_EQ(parameter_key(drift, Channel::Displacement), "rate_m_per_s");
+  EXPECT_EQ(parameter_key(drift, SensorChannel::Force), "rate_N_per_s");
+  EXPECT_EQ(parameter_key(drift, SensorChannel::Displacement), "rate_m_per_s");
 }
 
 TEST(Drift, StartsAtTheFirstStepForAnyOriginOfTime) {
-  Composition sensor{{on(Channel::Displacement, "drift", {{"rate", 2}})}, kStep};
+  Composition sensor{{on(SensorChannel::Displacement, "drift", {{"rate", 2}})}, kStep};
   std::vector<double> state(sensor.states());
   Quantities<double> q;
   for (const double time : {1000.0, 1003.0}) {
@@ -67,31 +67,31 @@ TEST(Drift, StartsAtTheFirstStepForAnyOriginOfTime) {
 TEST(Quantisation, RoundsToTheNearestLevel) {
   const double step = 0.25;
   for (double x = -2; x < 2; x += 0.0137) {
-    const double y = read(on(Channel::Displacement, "quantisation", {{"step", step}}), x);
+    const double y = read(on(SensorChannel::Displacement, "quantisation", {{"step", step}}), x);
     EXPECT_EQ(std::remainder(y, step), 0);
     EXPECT_LE(std::abs(y - x), step / 2);
   }
 }
 
 TEST(Ranges, ClipOrWrapAround) {
-  EXPECT_EQ(read(on(Channel::Displacement, "saturation", {{"limit", 2}}), 3), 2);
-  EXPECT_EQ(read(on(Channel::Displacement, "saturation", {{"limit", 2}}), -3), -2);
-  EXPECT_EQ(read(on(Channel::Displacement, "overflow", {{"limit", 2}}), 3), -1);
-  EXPECT_EQ(read(on(Channel::Displacement, "overflow", {{"limit", 2}}), -3), 1);
-  EXPECT_EQ(read(on(Channel::Displacement, "overflow", {{"limit", 2}}), 1.5), 1.5);
+  EXPECT_EQ(read(on(SensorChannel::Displacement, "saturation", {{"limit", 2}}), 3), 2);
+  EXPECT_EQ(read(on(SensorChannel::Displacement, "saturation", {{"limit", 2}}), -3), -2);
+  EXPECT_EQ(read(on(SensorChannel::Displacement, "overflow", {{"limit", 2}}), 3), -1);
+  EXPECT_EQ(read(on(SensorChannel::Displacement, "overflow", {{"limit", 2}}), -3), 1);
+  EXPECT_EQ(read(on(SensorChannel::Displacement, "overflow", {{"limit", 2}}), 1.5), 1.5);
 }
 
 TEST(Scales, DistortReadings) {
-  EXPECT_EQ(read(on(Channel::Displacement, "absolute_value_sensor", {{"share", 1}}), -3), 3);
+  EXPECT_EQ(read(on(SensorChannel::Displacement, "absolute_value_sensor", {{"share", 1}}), -3), 3);
   EXPECT_NEAR(
-      read(on(Channel::Displacement, "cubic_distortion", {{"share", 0.1}, {"range", 2}}), -4),
+      read(on(SensorChannel::Displacement, "cubic_distortion", {{"share", 0.1}, {"range", 2}}), -4),
       -4 * 1.4, 1e-12);
 }
 
 // Cubic interpolation and a filter in steady state both delay a ramp exactly.
 TEST(Lateness, DelaysARamp) {
-  Stepper skew{{on(Channel::Displacement, "time_skew", {{"skew", 0.0123}})}, kStep};
-  Stepper filter{{on(Channel::Displacement, "filter_lag", {{"time_constant", 0.01}})}, kStep};
+  Stepper skew{{on(SensorChannel::Displacement, "time_skew", {{"skew", 0.0123}})}, kStep};
+  Stepper filter{{on(SensorChannel::Displacement, "filter_lag", {{"time_constant", 0.01}})}, kStep};
   for (int i = 0; i < 1000; ++i) {
     const double t = kStep * i;
     const double late = skew.step(readings(t)).displacement[0];
@@ -107,7 +107,8 @@ TEST(Lateness, DelaysARamp) {
 TEST(Lateness, OfAFilterIsExactForASineOfSmallSteps) {
   constexpr double kCoarse = 4e-3, kFrequency = 2 * std::numbers::pi * 10;
   for (const double lag : {2e-4, 1e-3, 4e-3, 0.0399, 0.0401, 0.5}) {
-    Stepper filter{{on(Channel::Displacement, "filter_lag", {{"time_constant", lag}})}, kCoarse};
+    Stepper filter{{on(SensorChannel::Displacement, "filter_lag", {{"time_constant", lag}})},
+                   kCoarse};
     const std::complex<double> gain = 1.0 / std::complex{1.0, kFrequency * lag};
     for (int i = 0; i < 2000; ++i) {
       const double t = kCoarse * i;
@@ -120,8 +121,8 @@ TEST(Lateness, OfAFilterIsExactForASineOfSmallSteps) {
 }
 
 TEST(ClockDrift, IsTenMillisecondsAfterAHundredSecondsAtAHundredPartsPerMillion) {
-  Stepper sensor{{on(Channel::Displacement, "clock_drift", {{"skew", 0.002}, {"rate", 1e-4}})},
-                 kStep};
+  Stepper sensor{
+      {on(SensorChannel::Displacement, "clock_drift", {{"skew", 0.002}, {"rate", 1e-4}})}, kStep};
   double late = 0;
   for (int i = 0; i <= 100'000; ++i)
     late = kStep * i - sensor.step(readings(kStep * i)).displacement[0];
@@ -130,12 +131,12 @@ TEST(ClockDrift, IsTenMillisecondsAfterAHundredSecondsAtAHundredPartsPerMillion)
 }
 
 TEST(ClockDrift, NeverReportsFutureValues) {
-  Stepper sensor{{on(Channel::Displacement, "clock_drift", {{"rate", -0.01}})}, kStep};
+  Stepper sensor{{on(SensorChannel::Displacement, "clock_drift", {{"rate", -0.01}})}, kStep};
   for (int i = 0; i < 1000; ++i) ASSERT_NEAR(sensor.step(readings(i)).displacement[0], i, 1e-9);
 }
 
 TEST(Crosstalk, AddsSharesOfTheOtherAxes) {
-  Stepper sensor{{on(Channel::Acceleration, "crosstalk_horizontal",
+  Stepper sensor{{on(SensorChannel::Acceleration, "crosstalk_horizontal",
                      {{"lat_into_long", 0.1}, {"long_into_lat", 0.2}})},
                  kStep};
   const auto q = sensor.step(readings(1));

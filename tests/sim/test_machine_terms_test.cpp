@@ -62,7 +62,7 @@ TEST(TestMachineTerms, OfASensorChangeOnlyTheMeasurement) {
   const TestMachine machine = bare_machine(linear_specimen(kSpecimenStiffness));
   const Seen without = pushed(machine, 0.1);
   TermSettings gain{"gain", "", {{"factor", 1.1}}};
-  gain.channel = Channel::Displacement;
+  gain.channel = SensorChannel::Displacement;
 
   const Seen with = pushed(machine, 0.1, gain);
 

@@ -35,9 +35,9 @@ Echo::Echo(EchoSettings settings)
     : settings_{std::move(settings)}, is_at_target_{!settings_.is_down_when_idle} {
   const auto& commands = settings_.layout.commands;
   for (const auto& feedback : settings_.layout.feedbacks) {
-    const bool is_force = feedback.quantity == Quantity::Force;
+    const bool is_force = feedback.quantity == OpfQuantity::Force;
     const OpfSignal* command = OpfLayout::find(
-        commands, feedback.axis, is_force ? Quantity::Displacement : feedback.quantity);
+        commands, feedback.axis, is_force ? OpfQuantity::Displacement : feedback.quantity);
     scalings_.push_back(
         {command == nullptr ? kNone : static_cast<std::size_t>(command - commands.data()),
          is_force ? settings_.stiffness : 1});

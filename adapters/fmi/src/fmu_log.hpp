@@ -8,7 +8,7 @@
 namespace rths::fmi {
 
 /// Status of a call, with the numbers of both versions of the standard.
-enum Answer : int { kOk, kWarning, kDiscard, kError, kFatal, kPending };
+enum FmiStatus : int { kOk, kWarning, kDiscard, kError, kFatal, kPending };
 
 /// Messages of an FMU. They go to standard error with the name of the instance. Those of a step are
 /// kept, and printed by `flush`.

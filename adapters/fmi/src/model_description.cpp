@@ -36,9 +36,9 @@ Type type_named(int version, const std::string& name) {
 }
 
 /// Reads attributes; its errors name the file.
-class Reader {
+class DescriptionReader {
  public:
-  explicit Reader(std::string place) : place_{std::move(place)} {}
+  explicit DescriptionReader(std::string place) : place_{std::move(place)} {}
 
   [[noreturn]] void fail(const std::string& text) const { throw Error{place_ + ": " + text}; }
 
@@ -91,11 +91,12 @@ Definitions definitions_in(const pugi::xml_node& root, int version) {
   Definitions found;
   for (const auto& node : root.child("TypeDefinitions"))
     if (is_element(node))
-      found[Reader::text(node, "name")] = version == 2 ? node.first_child() : node;
+      found[DescriptionReader::text(node, "name")] = version == 2 ? node.first_child() : node;
   return found;
 }
 
-std::map<std::string, BaseUnit> units_in(const pugi::xml_node& root, const Reader& reader) {
+std::map<std::string, BaseUnit> units_in(const pugi::xml_node& root,
+                                         const DescriptionReader& reader) {
   constexpr const char* kBases[] = {"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
   std::map<std::string, BaseUnit> units;
   for (const auto& node : root.child("UnitDefinitions").children("Unit")) {
@@ -107,20 +108,20 @@ std::map<std::string, BaseUnit> units_in(const pugi::xml_node& root, const Reade
     unit.factor = reader.number(base, "factor").value_or(1);
     unit.offset = reader.number(base, "offset").value_or(0);
     if (unit.factor == 0)
-      reader.fail(fmt::format("factor of unit '{}' is 0", Reader::text(node, "name")));
+      reader.fail(fmt::format("factor of unit '{}' is 0", DescriptionReader::text(node, "name")));
     units[reader.required(node, "name")] = unit;
   }
   return units;
 }
 
 // Attributes of a number: its own, or those of its declared type.
-void read_number(const pugi::xml_node& own, const Definitions& definitions, const Reader& reader,
-                 Variable& variable) {
-  const auto declared = definitions.find(Reader::text(own, "declaredType"));
+void read_number(const pugi::xml_node& own, const Definitions& definitions,
+                 const DescriptionReader& reader, Variable& variable) {
+  const auto declared = definitions.find(DescriptionReader::text(own, "declaredType"));
   const auto source = [&](const char* key) {
     return own.attribute(key) || declared == definitions.end() ? own : declared->second;
   };
-  variable.unit = Reader::text(source("unit"), "unit");
+  variable.unit = DescriptionReader::text(source("unit"), "unit");
   variable.is_relative = reader.flag(source("relativeQuantity"), "relativeQuantity");
   variable.lowest = reader.number(source("min"), "min");
   variable.highest = reader.number(source("max"), "max");
@@ -128,17 +129,18 @@ void read_number(const pugi::xml_node& own, const Definitions& definitions, cons
 }
 
 Variable variable_of(const pugi::xml_node& node, int version, const Definitions& definitions,
-                     const Reader& reader) {
+                     const DescriptionReader& reader) {
   const pugi::xml_node typed = version == 2 ? node.find_child(is_element) : node;
   Variable variable;
   variable.name = reader.required(node, "name");
   variable.type_name = typed.name();
   variable.type = type_named(version, variable.type_name);
-  variable.causality = Reader::text(node, "causality", "local");
+  variable.causality = DescriptionReader::text(node, "causality", "local");
   const bool is_real = variable.type == Type::Float64 || variable.type == Type::Float32;
-  variable.variability = Reader::text(node, "variability", is_real ? "continuous" : "discrete");
+  variable.variability =
+      DescriptionReader::text(node, "variability", is_real ? "continuous" : "discrete");
   variable.is_array = static_cast<bool>(node.child("Dimension"));
-  variable.is_clocked = !Reader::text(node, "clocks").empty();
+  variable.is_clocked = !DescriptionReader::text(node, "clocks").empty();
   if (variable.type == Type::Other) return variable;
   variable.reference = reader.reference(node);
   if (variable.type != Type::Boolean)
@@ -148,7 +150,7 @@ Variable variable_of(const pugi::xml_node& node, int version, const Definitions&
   return variable;
 }
 
-void read_co_simulation(const pugi::xml_node& root, const Reader& reader,
+void read_co_simulation(const pugi::xml_node& root, const DescriptionReader& reader,
                         ModelDescription& description) {
   const auto node = root.child("CoSimulation");
   if (!node)
@@ -179,7 +181,7 @@ const Variable* ModelDescription::find(const std::string& variable) const {
 }
 
 ModelDescription parse_description(const std::string& xml, const std::string& place) {
-  const Reader reader{place};
+  const DescriptionReader reader{place};
   pugi::xml_document document;
   const auto result = document.load_buffer(xml.data(), xml.size());
   if (!result)

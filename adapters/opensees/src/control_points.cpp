@@ -20,7 +20,7 @@ constexpr const char* kDirections[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
 
 struct Declared {
   int dof = 0;  ///< from 1
-  Quantity quantity = Quantity::Displacement;
+  OpfQuantity quantity = OpfQuantity::Displacement;
   ControlSignal options;
 };
 
@@ -29,18 +29,19 @@ struct ControlPoint {
   std::vector<Declared> signals;
 };
 
-std::optional<Quantity> type_named(const std::string& word) {
+std::optional<OpfQuantity> type_named(const std::string& word) {
   struct Name {
     const char* name;
-    Quantity quantity;
+    OpfQuantity quantity;
   };
-  constexpr Name kNames[] = {{"1", Quantity::Displacement},    {"dsp", Quantity::Displacement},
-                             {"disp", Quantity::Displacement}, {"2", Quantity::Velocity},
-                             {"vel", Quantity::Velocity},      {"3", Quantity::Acceleration},
-                             {"acc", Quantity::Acceleration},  {"accel", Quantity::Acceleration},
-                             {"4", Quantity::Force},           {"frc", Quantity::Force},
-                             {"force", Quantity::Force},       {"5", Quantity::Time},
-                             {"tme", Quantity::Time},          {"time", Quantity::Time}};
+  constexpr Name kNames[] = {
+      {"1", OpfQuantity::Displacement},    {"dsp", OpfQuantity::Displacement},
+      {"disp", OpfQuantity::Displacement}, {"2", OpfQuantity::Velocity},
+      {"vel", OpfQuantity::Velocity},      {"3", OpfQuantity::Acceleration},
+      {"acc", OpfQuantity::Acceleration},  {"accel", OpfQuantity::Acceleration},
+      {"4", OpfQuantity::Force},           {"frc", OpfQuantity::Force},
+      {"force", OpfQuantity::Force},       {"5", OpfQuantity::Time},
+      {"tme", OpfQuantity::Time},          {"time", OpfQuantity::Time}};
   for (const auto& known : kNames)
     if (word == known.name) return known.quantity;
   return std::nullopt;
@@ -59,9 +60,9 @@ std::optional<int> dof_named(const std::string& word) {
 }
 
 /// Reads the words of one line in order.
-class Line {
+class ControlLine {
  public:
-  explicit Line(const std::string& text) : text_{text} {
+  explicit ControlLine(const std::string& text) : text_{text} {
     std::istringstream words{text};
     for (std::string word; words >> word;) words_.push_back(word);
   }
@@ -93,7 +94,7 @@ class Line {
   std::size_t at_ = 0;
 };
 
-void read_options(Line& line, ControlSignal& signal) {
+void read_options(ControlLine& line, ControlSignal& signal) {
   for (;;) {
     if (line.take("-fact"))
       line.fail("'-fact'",
@@ -114,7 +115,7 @@ void read_options(Line& line, ControlSignal& signal) {
 }
 
 ControlPoint read_line(const std::string& text) {
-  Line line{text};
+  ControlLine line{text};
   static_cast<void>(line.take("expControlPoint"));
   ControlPoint point{line.next("a tag"), {}};
   if (line.take("-node")) static_cast<void>(line.number("a node's tag"));
@@ -138,7 +139,7 @@ ControlPoint read_line(const std::string& text) {
 }
 
 // "2 vel": the notation of a control point.
-std::string text_of(int dof, Quantity quantity) {
+std::string text_of(int dof, OpfQuantity quantity) {
   return fmt::format("{} {}", dof, to_text(quantity));
 }
 

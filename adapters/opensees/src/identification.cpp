@@ -65,7 +65,8 @@ MatrixXd passive(const MatrixXd& matrix) {
 
 }  // namespace
 
-Identification::Identification(Index components, const VectorXd& amplitude, double step)
+SpecimenIdentification::SpecimenIdentification(Index components, const VectorXd& amplitude,
+                                               double step)
     : components_{components},
       amplitude_{amplitude},
       step_{step},
@@ -80,23 +81,23 @@ Identification::Identification(Index components, const VectorXd& amplitude, doub
   start_component();
 }
 
-void Identification::start_component() {
+void SpecimenIdentification::start_component() {
   taken_ = 0;
   normal_ = MatrixXd::Zero(kRegressors, kRegressors);
   observed_ = MatrixXd::Zero(kRegressors, 2 * components_);
 }
 
-bool Identification::is_done() const { return at_ == components_; }
+bool SpecimenIdentification::is_done() const { return at_ == components_; }
 
-double Identification::time() const { return (taken_ + 1) * step_; }
+double SpecimenIdentification::time() const { return (taken_ + 1) * step_; }
 
-VectorXd Identification::target() const {
+VectorXd SpecimenIdentification::target() const {
   VectorXd target = VectorXd::Zero(components_);
   target[at_] = amplitude_[at_] * excitation(time());
   return target;
 }
 
-void Identification::measure(const VectorXd& displacement, const VectorXd& force) {
+void SpecimenIdentification::measure(const VectorXd& displacement, const VectorXd& force) {
   if (time() >= kRamp && time() <= kRamp + kFitted) {
     const auto row = regressors(time());
     VectorXd measured{2 * components_};
@@ -111,7 +112,7 @@ void Identification::measure(const VectorXd& displacement, const VectorXd& force
 }
 
 // cos and sin parts c, s of a signal c·cos ωt + s·sin ωt are the complex amplitude c − i·s.
-void Identification::finish_component() {
+void SpecimenIdentification::finish_component() {
   const MatrixXd fit = maths::solve_symmetric(normal_, observed_);
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     const auto cosine = fit.row(2 + 2 * static_cast<Index>(i)).transpose();
@@ -123,7 +124,7 @@ void Identification::finish_component() {
   }
 }
 
-std::array<MatrixXcd, 2> Identification::dynamic_stiffness() const {
+std::array<MatrixXcd, 2> SpecimenIdentification::dynamic_stiffness() const {
   std::array<MatrixXcd, kFrequencies> stiffness;
   for (std::size_t i = 0; i < kFrequencies; ++i) {
     for (Index k = 0; k < components_; ++k) {
@@ -141,7 +142,7 @@ std::array<MatrixXcd, 2> Identification::dynamic_stiffness() const {
   return stiffness;
 }
 
-Identification::Properties Identification::properties() const {
+SpecimenIdentification::Properties SpecimenIdentification::properties() const {
   const auto [slow, fast] = dynamic_stiffness();
   const double a = 2 * pi * kFrequency[0], b = 2 * pi * kFrequency[1];
   Properties properties;

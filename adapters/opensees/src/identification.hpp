@@ -18,12 +18,12 @@ namespace rths::adapters {
 ///
 /// at both frequencies, and these give K, M and C. Sensor noise averages out. Delays of the machine
 /// have no effect, because displacement and force are both measured.
-class Identification {
+class SpecimenIdentification {
  public:
   /// @param components  number of moved components, n
   /// @param amplitude   of each [m, rad], > 0
   /// @param step        time between targets [s]
-  Identification(Eigen::Index components, const Eigen::VectorXd& amplitude, double step);
+  SpecimenIdentification(Eigen::Index components, const Eigen::VectorXd& amplitude, double step);
 
   [[nodiscard]] bool is_done() const;
   /// The next target, n.   @pre !is_done()

@@ -71,7 +71,8 @@ void OpenSeesSpecimen::add_ports(const OpenSeesElement& element) {
   };
   const auto& [commands, feedbacks] = settings_.layout;
   for (const auto& axis : element.axes)
-    add(OpfLayout::find(commands, axis.axis, Quantity::Displacement), Direction::Input, axis.axis);
+    add(OpfLayout::find(commands, axis.axis, OpfQuantity::Displacement), Direction::Input,
+        axis.axis);
   const auto count = [&] {
     return static_cast<std::size_t>(
         std::count_if(ports_.begin(), ports_.end(),
@@ -79,12 +80,12 @@ void OpenSeesSpecimen::add_ports(const OpenSeesElement& element) {
   };
   for (const auto& axis : element.axes) {
     std::optional<std::size_t> displacement;
-    if (const auto* signal = OpfLayout::find(feedbacks, axis.axis, Quantity::Displacement)) {
+    if (const auto* signal = OpfLayout::find(feedbacks, axis.axis, OpfQuantity::Displacement)) {
       displacement = count();
       add(signal, Direction::Output, axis.axis);
     }
     outputs_.emplace_back(displacement, count());
-    add(OpfLayout::find(feedbacks, axis.axis, Quantity::Force), Direction::Output, axis.axis);
+    add(OpfLayout::find(feedbacks, axis.axis, OpfQuantity::Force), Direction::Output, axis.axis);
   }
 }
 

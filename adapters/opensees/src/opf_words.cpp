@@ -35,13 +35,13 @@ OpfWords::OpfWords(const ControlPoints& points, const std::vector<OpenSeesElemen
   if (points.is_declared) return;
   const auto is_idle = [](const Word& word) { return word.element == kNone; };
   std::erase_if(commands_, [&](const Word& word) {
-    return is_idle(word) && word.signal.word.quantity != Quantity::Time;
+    return is_idle(word) && word.signal.word.quantity != OpfQuantity::Time;
   });
   std::erase_if(feedbacks_, is_idle);
 }
 
 OpfWords::Word& OpfWords::word(std::vector<Word>& words, const OpenSeesElement& element,
-                               const std::string& axis, Quantity quantity) {
+                               const std::string& axis, OpfQuantity quantity) {
   std::set<std::string> axes;
   for (auto& candidate : words) {
     if (candidate.signal.word.quantity != quantity) continue;
@@ -77,14 +77,14 @@ void OpfWords::bind(const OpenSeesElement& element, std::size_t number) {
                     named(element))};
   if (!element.bearing || !element.bearing->axial_load) return;
   const MovedAxis& load = *element.bearing->axial_load;
-  Word& force = word(commands_, element, load.axis, Quantity::Force);
+  Word& force = word(commands_, element, load.axis, OpfQuantity::Force);
   force.claim(number, 0, load.direction);
   force.is_load = true;
 }
 
 void OpfWords::bind_axis(const OpenSeesElement& element, std::size_t number, const MovedAxis& axis,
                          std::size_t k) {
-  Word& displacement = word(commands_, element, axis.axis, Quantity::Displacement);
+  Word& displacement = word(commands_, element, axis.axis, OpfQuantity::Displacement);
   const bool turns = element.actuators.empty() && element.turns(axis.index);
   if ((displacement.signal.word.unit == "rad") != turns)
     throw Error{fmt::format("{}: '{}' is in {}, but its component is a {}", named(element),
@@ -92,16 +92,16 @@ void OpfWords::bind_axis(const OpenSeesElement& element, std::size_t number, con
                             turns ? "rotation" : "translation")};
   displacement.claim(number, k, 1);
   displacement.signal.is_relative_to_first |= element.is_relative;
-  word(feedbacks_, element, axis.axis, Quantity::Force).claim(number, k, 1);
+  word(feedbacks_, element, axis.axis, OpfQuantity::Force).claim(number, k, 1);
 }
 
 void OpfWords::bind_optional(std::size_t number, const std::string& axis, std::size_t k) {
   for (auto& other : commands_)
-    if (other.signal.word.axis == axis && (other.signal.word.quantity == Quantity::Velocity ||
-                                           other.signal.word.quantity == Quantity::Acceleration))
+    if (other.signal.word.axis == axis && (other.signal.word.quantity == OpfQuantity::Velocity ||
+                                           other.signal.word.quantity == OpfQuantity::Acceleration))
       other.claim(number, k, 1);
   for (auto& other : feedbacks_)
-    if (other.signal.word.axis == axis && other.signal.word.quantity == Quantity::Displacement) {
+    if (other.signal.word.axis == axis && other.signal.word.quantity == OpfQuantity::Displacement) {
       other.claim(number, k, 1);
       axes_.back().has_displacement = true;
     }
@@ -161,7 +161,7 @@ Measurement OpfWords::measured(std::size_t element, std::span<const double> feed
     if (word.element != element) continue;
     const double value = feedbacks[i] + word.offset;
     auto& values =
-        word.signal.word.quantity == Quantity::Force ? measured.force : measured.displacement;
+        word.signal.word.quantity == OpfQuantity::Force ? measured.force : measured.displacement;
     values[static_cast<Index>(word.axis)] = value;
   }
   return measured;
@@ -171,21 +171,21 @@ double OpfWords::value_of(const Word& word, const Specimen::Command& command) {
   const auto axis = static_cast<Index>(word.axis);
   if (word.is_load) return word.sign * command.load;
   switch (word.signal.word.quantity) {
-    case Quantity::Displacement:
+    case OpfQuantity::Displacement:
       return command.displacement[axis];
-    case Quantity::Velocity:
+    case OpfQuantity::Velocity:
       return command.velocity[axis];
-    case Quantity::Acceleration:
+    case OpfQuantity::Acceleration:
       return command.acceleration[axis];
-    case Quantity::Force:
-    case Quantity::Time:
+    case OpfQuantity::Force:
+    case OpfQuantity::Time:
       break;
   }
   return 0;
 }
 
 double OpfWords::moved_from_start(const Word& word, const Specimen::Command& command) {
-  if (word.is_load || word.signal.word.quantity != Quantity::Displacement) return 0;
+  if (word.is_load || word.signal.word.quantity != OpfQuantity::Displacement) return 0;
   return std::abs(value_of(word, command) + word.offset - word.start);
 }
 
@@ -210,7 +210,7 @@ void OpfWords::write(std::size_t element, const Specimen::Command& command, doub
                      std::span<double> commands) {
   for (std::size_t i = 0; i < commands_.size(); ++i) {
     Word& word = commands_[i];
-    if (word.signal.word.quantity == Quantity::Time) commands[i] = time;
+    if (word.signal.word.quantity == OpfQuantity::Time) commands[i] = time;
     if (word.element != element) continue;
     const double value = value_of(word, command) + word.offset;
     const OpfSignal& in_map = word.signal.word;

@@ -69,7 +69,7 @@ class OpfWords {
   // Not every laboratory has velocities, accelerations and measured displacements.
   void bind_optional(std::size_t number, const std::string& axis, std::size_t k);
   [[nodiscard]] static Word& word(std::vector<Word>& words, const OpenSeesElement& element,
-                                  const std::string& axis, Quantity quantity);
+                                  const std::string& axis, OpfQuantity quantity);
   [[nodiscard]] static double moved_from_start(const Word& word, const Specimen::Command& command);
   [[nodiscard]] static double value_of(const Word& word, const Specimen::Command& command);
 

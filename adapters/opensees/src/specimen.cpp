@@ -30,7 +30,7 @@ Specimen::Specimen(const OpenSeesElement& element, double step)
                     to_eigen(*element.mass)});
 }
 
-void Specimen::set_properties(const Identification::Properties& identified) {
+void Specimen::set_properties(const SpecimenIdentification::Properties& identified) {
   const auto& stated = element_;
   const auto stated_or = [](const std::optional<SquareMatrix>& matrix, const MatrixXd& otherwise) {
     return matrix ? to_eigen(*matrix) : otherwise;

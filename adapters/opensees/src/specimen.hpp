@@ -49,13 +49,13 @@ class Specimen {
   [[nodiscard]] const ElementMatrices& matrices() const { return matrices_; }
 
  private:
-  void set_properties(const Identification::Properties& identified);
+  void set_properties(const SpecimenIdentification::Properties& identified);
   [[nodiscard]] const Command& command_of(const ExperimentalElement::Motion& motion);
 
   const OpenSeesElement& element_;
   ExperimentalElement coordinates_;
   MachineAxes axes_;
-  std::optional<Identification> identification_;
+  std::optional<SpecimenIdentification> identification_;
   Eigen::VectorXd stiffness_;
   ElementMatrices matrices_;
   /// Identified damping and mass, n × n in the script's units. OpenSees adds their forces, which

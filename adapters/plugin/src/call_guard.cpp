@@ -13,11 +13,11 @@ constexpr int kCrashes[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 int overdue_signal() { return SIGRTMIN + 7; }
 
 /// The innermost guarded call of this thread.
-struct Frame {
+struct GuardedCall {
   sigjmp_buf back;
   const std::atomic<std::uint64_t>* calls;
 };
-thread_local Frame* frame = nullptr;
+thread_local GuardedCall* frame = nullptr;
 /// The call that is overdue: a signal that arrives after its end does nothing.
 std::atomic<const std::atomic<std::uint64_t>*> accused{nullptr};
 std::atomic<std::uint64_t> accused_call{0};
@@ -69,7 +69,7 @@ CallGuard::~CallGuard() {
 }
 
 CallEnd CallGuard::run_function(void (*function)(void*), void* argument) noexcept {
-  Frame here;
+  GuardedCall here;
   here.calls = &calls_;
   caller_.store(pthread_self(), std::memory_order_relaxed);
   const int number = sigsetjmp(here.back, 0);

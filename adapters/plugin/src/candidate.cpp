@@ -27,9 +27,9 @@ double seconds_of(clockid_t clock) {
 
 }  // namespace
 
-double* Candidate::out() { return out_.data() + kBand; }
+double* PluginUnderTest::out() { return out_.data() + kBand; }
 
-void Candidate::create() {
+void PluginUnderTest::create() {
   std::array<char, 400> error{};
   call("create");
   self_ = adapter_.create(settings_.config.c_str(), error.data(), error.size() - 1);
@@ -40,7 +40,7 @@ void Candidate::create() {
   throw Ended{};
 }
 
-void Candidate::read_signals() {
+void PluginUnderTest::read_signals() {
   std::uint32_t count = 0;
   call("signals");
   const rths_signal* signals = adapter_.signals(self_, &count);
@@ -52,7 +52,7 @@ void Candidate::read_signals() {
   signals_.assign(signals, signals + count);
 }
 
-void Candidate::activate() {
+void PluginUnderTest::activate() {
   std::array<char, 400> error{};
   call("activate");
   const rths_status status = adapter_.activate(self_, error.data(), error.size() - 1);
@@ -69,30 +69,30 @@ void Candidate::activate() {
   std::fill_n(out(), outputs_, 0);
 }
 
-void Candidate::stop() {
+void PluginUnderTest::stop() {
   call("stop");
   if (library_.stop() != nullptr) library_.stop()(self_);
 }
 
-void Candidate::deactivate() {
+void PluginUnderTest::deactivate() {
   call("deactivate");
   adapter_.deactivate(self_);
 }
 
-void Candidate::destroy() {
+void PluginUnderTest::destroy() {
   call("destroy");
   adapter_.destroy(self_);
   self_ = nullptr;
 }
 
-void Candidate::call(const std::string& name) {
+void PluginUnderTest::call(const std::string& name) {
   std::fill(report_.call.begin(), report_.call.end(), '\0');
   std::copy_n(name.begin(), std::min(name.size(), report_.call.size() - 1), report_.call.begin());
 }
 
 // Smooth motions of different frequencies; flags that change; parameters at rest, then at both ends
 // of their ranges.
-double Candidate::input(const rths_signal& signal, std::size_t index, double time) const {
+double PluginUnderTest::input(const rths_signal& signal, std::size_t index, double time) const {
   if (signal.direction == RTHS_PARAMETER) {
     if (!has_range(signal) || steps_ < kTrialSteps / 2) return signal.initial;
     return steps_ < kTrialSteps * 3 / 4 ? signal.lowest : signal.highest;
@@ -102,7 +102,7 @@ double Candidate::input(const rths_signal& signal, std::size_t index, double tim
   return kAmplitude * std::sin(2 * std::numbers::pi * frequency * time);
 }
 
-void Candidate::check_status(rths_status status) {
+void PluginUnderTest::check_status(rths_status status) {
   if (status < RTHS_OK || status > RTHS_FAULT) {
     report_.fail(kLifecycle, fmt::format("step {} returned {}, expected 0 to {}", steps_, status,
                                          static_cast<int>(RTHS_FAULT)));
@@ -116,7 +116,7 @@ void Candidate::check_status(rths_status status) {
   throw Ended{};
 }
 
-void Candidate::check_outputs() {
+void PluginUnderTest::check_outputs() {
   std::size_t index = 0;
   for (const auto& signal : signals_) {
     if (is_read(signal)) continue;
@@ -135,13 +135,13 @@ void Candidate::check_outputs() {
       report_.fail(kBounds, fmt::format("step {} wrote outside its {} outputs", steps_, outputs()));
 }
 
-void Candidate::check_heap(long calls) {
+void PluginUnderTest::check_heap(long calls) {
   if (calls > 0 && !settings_.may_allocate)
     report_.fail(kAllocation, fmt::format("step {} used the heap {} times: allocate in activate",
                                           steps_, calls));
 }
 
-rths_status Candidate::step() {
+rths_status PluginUnderTest::step() {
   const double time = steps_ * settings_.period;
   in_.clear();
   for (std::size_t i = 0; i < signals_.size(); ++i)

@@ -19,16 +19,16 @@ inline constexpr int kTrialSteps = 400;  ///< of a run
 struct Ended {};
 
 /// Durations of the steps since activation [s].
-struct StepTimes {
+struct StepDurations {
   std::vector<double> wall, processor;
 };
 
 /// A plugin under trial. Each call is noted in the report, so that a crash can be named; each step
 /// is judged.
-class Candidate {
+class PluginUnderTest {
  public:
   /// All of them must outlive it.
-  Candidate(const Library& library, const ConformanceSettings& settings, TrialReport& report)
+  PluginUnderTest(const Library& library, const ConformanceSettings& settings, TrialReport& report)
       : library_{library}, adapter_{library.adapter()}, settings_{settings}, report_{report} {}
 
   /// Each of these @throws Ended if the plugin cannot continue.
@@ -43,7 +43,7 @@ class Candidate {
   [[nodiscard]] const std::vector<rths_signal>& signals() const { return signals_; }
   [[nodiscard]] double* out();
   [[nodiscard]] std::size_t outputs() const { return outputs_; }
-  [[nodiscard]] const StepTimes& times() const { return times_; }
+  [[nodiscard]] const StepDurations& times() const { return times_; }
 
  private:
   void call(const std::string& name);
@@ -60,7 +60,7 @@ class Candidate {
   std::vector<rths_signal> signals_;
   std::size_t outputs_ = 0;
   std::vector<double> in_, out_;
-  StepTimes times_;
+  StepDurations times_;
   int steps_ = 0;
 };
 

@@ -40,13 +40,13 @@ constexpr Duration kLook = std::chrono::milliseconds{50};  // at the life of the
 constexpr double kAnswerMargin = 0.1;  // for the answer of an adapter that ends its step itself [s]
 constexpr int kSpins = 2000;           // before a sleep
 
-enum class Command : std::uint32_t { Make, Activate, Step, Deactivate };
+enum class ChildCommand : std::uint32_t { Make, Activate, Step, Deactivate };
 enum Turn : std::uint32_t { kParent, kChild };
 
 /// The memory of both processes.
-struct Shared {
+struct ChildMemory {
   std::atomic<std::uint32_t> turn{kChild};  ///< the child begins with Make
-  Command command = Command::Make;
+  ChildCommand command = ChildCommand::Make;
   Status status = Status::Ok;
   double time = 0, age = 0;
   bool stopping = false;
@@ -62,13 +62,13 @@ long futex(std::atomic<std::uint32_t>& word, int operation, std::uint32_t value,
                  nullptr, 0);
 }
 
-void give_turn(Shared& shared, Turn turn) {
+void give_turn(ChildMemory& shared, Turn turn) {
   shared.turn.store(turn, std::memory_order_release);
   futex(shared.turn, FUTEX_WAKE, 1, nullptr);
 }
 
 // Waits for a turn, at most for one look.
-bool has_turn(Shared& shared, Turn turn) {
+bool has_turn(ChildMemory& shared, Turn turn) {
   for (int i = 0; i < kSpins; ++i)
     if (shared.turn.load(std::memory_order_acquire) == turn) return true;
   const timespec look{0, static_cast<long>(kLook.count())};
@@ -76,7 +76,7 @@ bool has_turn(Shared& shared, Turn turn) {
   return shared.turn.load(std::memory_order_acquire) == turn;
 }
 
-void set_text(Shared& shared, const std::string& text) {
+void set_text(ChildMemory& shared, const std::string& text) {
   const auto size = std::min(text.size(), shared.text.size() - 1);
   std::memcpy(shared.text.data(), text.data(), size);
   shared.text[size] = '\0';
@@ -111,7 +111,7 @@ std::vector<Port> ports_of(const std::string& text) {
 /// The child: answers until the parent is gone.
 class Server {
  public:
-  Server(Shared& shared, const std::function<std::unique_ptr<adapters::Adapter>()>& make)
+  Server(ChildMemory& shared, const std::function<std::unique_ptr<adapters::Adapter>()>& make)
       : shared_{shared}, make_{make} {}
 
   [[noreturn]] void run(pid_t parent) {
@@ -125,12 +125,12 @@ class Server {
 
  private:
   void answer() {
-    if (shared_.command == Command::Step) return step();
+    if (shared_.command == ChildCommand::Step) return step();
     shared_.failed = false;
     try {
-      if (shared_.command == Command::Make) make();
-      if (shared_.command == Command::Activate) adapter_->activate();
-      if (shared_.command == Command::Deactivate) adapter_->deactivate();
+      if (shared_.command == ChildCommand::Make) make();
+      if (shared_.command == ChildCommand::Activate) adapter_->activate();
+      if (shared_.command == ChildCommand::Deactivate) adapter_->deactivate();
     } catch (const Error& error) {
       shared_.failed = true;
       set_text(shared_, error.what());
@@ -158,7 +158,7 @@ class Server {
     if (shared_.status == Status::Fault) set_text(shared_, step.message);
   }
 
-  Shared& shared_;
+  ChildMemory& shared_;
   const std::function<std::unique_ptr<adapters::Adapter>()>& make_;
   std::unique_ptr<adapters::Adapter> adapter_;
 };
@@ -191,12 +191,12 @@ class ChildAdapter final : public adapters::Adapter {
  private:
   [[nodiscard]] bool answers(double deadline) noexcept;
   [[nodiscard]] std::string text() const;
-  void demand(Command command, const char* name);
+  void demand(ChildCommand command, const char* name);
   void end() noexcept;
   void note_end(const char* call, double deadline) noexcept;
 
   ChildSettings settings_;
-  Shared* shared_;
+  ChildMemory* shared_;
   pid_t pid_ = -1;
   std::optional<int> ending_;  ///< as waitpid returns it; none: it did not answer
   bool is_over_ = false;
@@ -209,9 +209,9 @@ ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter
                            const ChildSettings& settings)
     : settings_{settings} {
   void* memory =
-      mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+      mmap(nullptr, sizeof(ChildMemory), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (memory == MAP_FAILED) throw Error{settings_.title + ": no memory for its process"};
-  shared_ = std::construct_at(static_cast<Shared*>(memory));
+  shared_ = std::construct_at(static_cast<ChildMemory*>(memory));
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) {
@@ -220,7 +220,7 @@ ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter
   }
   if (pid_ < 0) throw Error{fmt::format("{}: no process: {}", settings_.title, strerror(errno))};
   try {
-    demand(Command::Make, "create");
+    demand(ChildCommand::Make, "create");
   } catch (const Error&) {
     end();
     throw;
@@ -274,9 +274,9 @@ void ChildAdapter::note_end(const char* call, double deadline) noexcept {
 }
 
 // @throws Error of the adapter, or if it does not answer
-void ChildAdapter::demand(Command command, const char* name) {
+void ChildAdapter::demand(ChildCommand command, const char* name) {
   if (is_over_) throw Error{message_.data()};
-  if (command != Command::Make) {
+  if (command != ChildCommand::Make) {
     shared_->command = command;
     give_turn(*shared_, kChild);
   }
@@ -288,7 +288,7 @@ void ChildAdapter::demand(Command command, const char* name) {
 }
 
 void ChildAdapter::activate() {
-  demand(Command::Activate, "activate");
+  demand(ChildCommand::Activate, "activate");
   if (settings_.priority == 0) return;
   const sched_param parameters{settings_.priority};
   sched_setscheduler(pid_, SCHED_FIFO, &parameters);  // without the privilege it runs as it is
@@ -297,7 +297,7 @@ void ChildAdapter::activate() {
 Status ChildAdapter::step(StepData& step) noexcept {
   step.message = message_.data();
   if (is_over_) return Status::Fault;
-  shared_->command = Command::Step;
+  shared_->command = ChildCommand::Step;
   shared_->time = step.time;
   shared_->age = step.age;
   shared_->stopping = step.stopping;
@@ -317,7 +317,7 @@ Status ChildAdapter::step(StepData& step) noexcept {
 }
 
 void ChildAdapter::deactivate() {
-  if (!is_over_) demand(Command::Deactivate, "deactivate");
+  if (!is_over_) demand(ChildCommand::Deactivate, "deactivate");
 }
 
 void ChildAdapter::end() noexcept {
@@ -325,7 +325,7 @@ void ChildAdapter::end() noexcept {
     kill(pid_, SIGKILL);
     waitpid(pid_, nullptr, 0);
   }
-  munmap(shared_, sizeof(Shared));
+  munmap(shared_, sizeof(ChildMemory));
 }
 
 }  // namespace

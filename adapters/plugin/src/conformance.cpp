@@ -44,7 +44,7 @@ std::uint64_t extended(std::uint64_t fingerprint, const double* values, std::siz
   return fingerprint;
 }
 
-std::uint64_t run(Candidate& candidate) {
+std::uint64_t run(PluginUnderTest& candidate) {
   std::uint64_t fingerprint = kNoOutputs;
   candidate.activate();
   for (int i = 0; i < kTrialSteps; ++i) {
@@ -88,7 +88,7 @@ std::string fault_of_range(const rths_signal& signal) {
                      signal.initial, signal.lowest, signal.highest);
 }
 
-void describe(Candidate& candidate, TrialReport& report) {
+void describe(PluginUnderTest& candidate, TrialReport& report) {
   std::set<std::string> names;
   for (const auto& signal : candidate.signals())
     if (const auto fault = fault_of_signal(signal, names); !fault.empty()) {
@@ -109,7 +109,7 @@ bool is_same(const rths_signal& a, const rths_signal& b) {
          a.direction == b.direction;
 }
 
-void check_median(const StepTimes& times, double period, TrialReport& report) {
+void check_median(const StepDurations& times, double period, TrialReport& report) {
   const double middle = maths::median(times.wall);
   if (middle <= period)
     return report.pass(kDeadline, fmt::format("median step {:.2f} us", 1e6 * middle));
@@ -121,7 +121,7 @@ void check_median(const StepTimes& times, double period, TrialReport& report) {
 
 // Indices of the steps that used the processor for longer than the period. The first step may read
 // pages of the library.
-std::vector<std::size_t> long_steps(const StepTimes& times, double period) {
+std::vector<std::size_t> long_steps(const StepDurations& times, double period) {
   std::vector<std::size_t> found;
   for (std::size_t i = 1; i < times.processor.size(); ++i)
     if (times.processor[i] > period) found.push_back(i);
@@ -130,7 +130,7 @@ std::vector<std::size_t> long_steps(const StepTimes& times, double period) {
 
 // A busy host can stretch a step. So a long step counts if it is long in both runs; if each run has
 // several; or if one run has many.
-void check_longest(const StepTimes& first, const StepTimes& second, double period,
+void check_longest(const StepDurations& first, const StepDurations& second, double period,
                    TrialReport& report) {
   const auto one = long_steps(first, period), other = long_steps(second, period);
   for (const std::size_t i : one)
@@ -146,7 +146,8 @@ void check_longest(const StepTimes& first, const StepTimes& second, double perio
                                        one.size(), other.size(), 1e3 * period));
 }
 
-void check_rest(const Library& library, Candidate& candidate, double period, TrialReport& report) {
+void check_rest(const Library& library, PluginUnderTest& candidate, double period,
+                TrialReport& report) {
   if (library.stop() == nullptr) return report.pass(kStop, "the host ramps outputs to rest");
   candidate.stop();
   const int longest = static_cast<int>(kRestDeadline / period);
@@ -171,7 +172,7 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
   report.pass(kAbi, fmt::format("'{}' {}, adapter ABI {}.{}", adapter.name, adapter.version,
                                 adapter.abi >> 16, adapter.abi & 0xFFFF));
   try {
-    Candidate candidate{*library, settings, report};
+    PluginUnderTest candidate{*library, settings, report};
     candidate.create();
     candidate.read_signals();
     describe(candidate, report);
@@ -184,7 +185,7 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
       throw Ended{};
     }
     candidate.deactivate();
-    const StepTimes times = candidate.times();
+    const StepDurations times = candidate.times();
     check_median(times, settings.period, report);
     if (run(candidate) != report.fingerprint)
       report.fail(kRestart,
@@ -205,8 +206,8 @@ void first_trial(const std::filesystem::path& file, const ConformanceSettings& s
 void trial_of_instances(const std::filesystem::path& file, const ConformanceSettings& settings,
                         std::uint64_t alone, TrialReport& report) {
   const Library library{std::filesystem::absolute(file), settings.built_in};
-  std::array<Candidate, 2> pair{Candidate{library, settings, report},
-                                Candidate{library, settings, report}};
+  std::array<PluginUnderTest, 2> pair{PluginUnderTest{library, settings, report},
+                                      PluginUnderTest{library, settings, report}};
   for (auto& candidate : pair) {
     candidate.create();
     candidate.read_signals();

@@ -20,7 +20,7 @@ using controller::SafetyFeedback;
 using controller::SafetyState;
 using controller::SafetyTrip;
 
-enum Monitor : std::size_t { kState, kTrip, kAxis, kValue, kLimit, kMonitors };
+enum MonitorWord : std::size_t { kState, kTrip, kAxis, kValue, kLimit, kMonitors };
 
 class SafeMachine final : public Adapter {
  public:

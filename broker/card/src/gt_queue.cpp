@@ -33,7 +33,7 @@ void advance(GtCard& card, std::uint64_t position) {
 
 // The tail moves only past complete entries. A writer that finds a complete entry at the tail,
 // whose own writer died or was interrupted, moves the tail for it.
-bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self,
+bool try_push(GtCard& card, const QueuedInterrupt& interrupt, broker::Claim self,
               broker::Members members) {
   const std::uint64_t position = card.tail.load();
   GtEntry& entry = card.queue[position % kGtQueueEntries];
@@ -54,7 +54,8 @@ bool try_push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self,
 
 }  // namespace
 
-bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self, broker::Members members) {
+bool push(GtCard& card, const QueuedInterrupt& interrupt, broker::Claim self,
+          broker::Members members) {
   for (int attempt = 0; !try_push(card, interrupt, self, members); ++attempt) {
     if (attempt == kAttempts) return false;
     if (attempt < kAttempts / 2)
@@ -67,7 +68,7 @@ bool push(GtCard& card, const GtInterrupt& interrupt, broker::Claim self, broker
   return true;
 }
 
-bool read(const GtCard& card, std::uint64_t position, GtInterrupt& interrupt) {
+bool read(const GtCard& card, std::uint64_t position, QueuedInterrupt& interrupt) {
   const GtEntry& entry = card.queue[position % kGtQueueEntries];
   if (entry.stamp.load() != position + 1) return false;
   interrupt = {entry.type.load(), entry.source.load(), entry.id.load(), entry.value.load()};

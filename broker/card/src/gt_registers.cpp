@@ -11,30 +11,32 @@ constexpr std::uint32_t kNoState = 0xFFFF'FFFF;
 constexpr std::int64_t kTimerTickNs = 8;
 
 /// Location of a state: bits of a control register, or a word of its own if `index` has kOwn.
-enum class Access : std::uint8_t { ReadWrite, ReadOnly, Ignored, Inverted, OnlyZero };
-struct State {
+enum class RegisterAccess : std::uint8_t { ReadWrite, ReadOnly, Ignored, Inverted, OnlyZero };
+struct RegisterState {
   std::uint32_t index, shift, mask;
-  Access access = Access::ReadWrite;
+  RegisterAccess access = RegisterAccess::ReadWrite;
 };
 constexpr std::uint32_t kOwn = 0x100;
 constexpr std::uint32_t kWhole = 0xFFFF'FFFF;
 
 constexpr auto kStates = [] {
-  std::array<State, gt_state::kReadBypassEnable + 1> states{};
-  const auto control = [](std::uint32_t shift) { return State{gt::kLinkControl, shift, 1}; };
+  std::array<RegisterState, gt_state::kReadBypassEnable + 1> states{};
+  const auto control = [](std::uint32_t shift) {
+    return RegisterState{gt::kLinkControl, shift, 1};
+  };
   const auto status = [](std::uint32_t shift) {
-    return State{gt::kLinkStatus, shift, 1, Access::ReadOnly};
+    return RegisterState{gt::kLinkStatus, shift, 1, RegisterAccess::ReadOnly};
   };
   states[gt_state::kNodeId] = {gt::kLinkControl, gt::kNodeIdShift, 0xFF};
   states[gt_state::kActiveLink] = control(4);
-  states[gt_state::kLinkErrors] = {kOwn | 0, 0, kWhole, Access::Ignored};
+  states[gt_state::kLinkErrors] = {kOwn | 0, 0, kWhole, RegisterAccess::Ignored};
   states[gt_state::kWrap] = control(19);
   states[gt_state::kWriteMeLast] = control(20);
   states[gt_state::kUnicastMask] = {gt::kUnicastMask, 0, 1};
   states[gt_state::kBroadcastMask] = {gt::kBroadcastMask, 0, kWhole};
   states[gt_state::kInterruptSelf] = control(21);
-  states[gt_state::kRingSize] = {gt::kLinkStatus, 24, 0xFF, Access::ReadOnly};
-  states[gt_state::kUpstreamNodeId] = {gt::kMisc, 24, 0xFF, Access::ReadOnly};
+  states[gt_state::kRingSize] = {gt::kLinkStatus, 24, 0xFF, RegisterAccess::ReadOnly};
+  states[gt_state::kUpstreamNodeId] = {gt::kMisc, 24, 0xFF, RegisterAccess::ReadOnly};
   states[gt_state::kNetTimer] = {gt::kTimer, 0, kWhole};
   states[gt_state::kLatencyTimer] = {gt::kLatency, 0, kWhole};
   states[gt_state::kTrafficCount] = {kOwn | 2, 0, kWhole};
@@ -48,9 +50,9 @@ constexpr auto kStates = [] {
   states[gt_state::kLinkUp] = status(17);
   states[gt_state::kLaser0Signal] = status(18);
   states[gt_state::kLaser1Signal] = status(19);
-  states[gt_state::kD64Enable] = {gt::kUser, 4, 1, Access::Inverted};
-  states[gt_state::kByteSwapEnable] = {gt::kUser, 1, 1, Access::OnlyZero};
-  states[gt_state::kWordSwapEnable] = {gt::kUser, 0, 1, Access::OnlyZero};
+  states[gt_state::kD64Enable] = {gt::kUser, 4, 1, RegisterAccess::Inverted};
+  states[gt_state::kByteSwapEnable] = {gt::kUser, 1, 1, RegisterAccess::OnlyZero};
+  states[gt_state::kWordSwapEnable] = {gt::kUser, 0, 1, RegisterAccess::OnlyZero};
   states[gt_state::kLinkErrorInterrupt] = {kOwn | 4, 0, 1};
   states[gt_state::kReadBypassEnable] = {kOwn | 5, 0, 1};
   return states;
@@ -107,23 +109,23 @@ bool accepts(const GtCard& card, std::uint32_t type, std::uint32_t id) {
 std::uint32_t get_state(const GtCard& card, std::uint32_t id, const GtRing& ring,
                         std::int64_t now) {
   if (id >= kStates.size()) return kNoState;
-  const State& state = kStates[id];
+  const RegisterState& state = kStates[id];
   const bool own = (state.index & kOwn) != 0;
   const std::uint32_t word =
       own ? card.own[state.index & ~kOwn].load() : read_cr(card, state.index, ring, now);
   const std::uint32_t value = word >> state.shift & state.mask;
   if (id == gt_state::kRingSize) return value + 1;
-  return state.access == Access::Inverted ? 1 - value : value;
+  return state.access == RegisterAccess::Inverted ? 1 - value : value;
 }
 
 StateResult set_state(GtCard& card, std::uint32_t id, std::uint32_t value, std::int64_t now) {
   if (id >= kStates.size()) return StateResult::BadParameter;
-  const State& state = kStates[id];
-  if (state.access == Access::ReadOnly) return StateResult::BadParameter;
-  if (state.access == Access::Ignored) return StateResult::Ok;
-  if (state.access == Access::OnlyZero && value != 0) return StateResult::Unsupported;
+  const RegisterState& state = kStates[id];
+  if (state.access == RegisterAccess::ReadOnly) return StateResult::BadParameter;
+  if (state.access == RegisterAccess::Ignored) return StateResult::Ok;
+  if (state.access == RegisterAccess::OnlyZero && value != 0) return StateResult::Unsupported;
   if (state.mask == 1 && id != gt_state::kUnicastMask) value = value != 0 ? 1 : 0;
-  if (state.access == Access::Inverted) value = 1 - value;
+  if (state.access == RegisterAccess::Inverted) value = 1 - value;
   const std::uint32_t field = state.mask << state.shift;
   const std::uint32_t bits = (value & state.mask) << state.shift;
   if ((state.index & kOwn) != 0) {

@@ -15,7 +15,7 @@
 namespace rths::dds {
 namespace {
 
-using scramnet::GtInterrupt;
+using scramnet::QueuedInterrupt;
 using scramnet::Word;
 
 // The first word of a message.
@@ -185,7 +185,7 @@ bool Cards::deliver(std::span<const std::uint32_t> values) {
   const NodeId node = node_of(values[0]);
   const auto view = card_of(node);
   if (!view || copies_.contains(node)) return true;  // for another host
-  const GtInterrupt interrupt{values[1], values[2], values[3], values[4]};
+  const QueuedInterrupt interrupt{values[1], values[2], values[3], values[4]};
   auto& gt = view->card->gt;
   if (accepts(gt, interrupt.type, interrupt.id) &&
       push(gt, interrupt, broker::own_claim(), table_.members()))
@@ -215,7 +215,7 @@ void Cards::hold(NodeId to, Copy& copy) {
     copy.position = tail - scramnet::kKeptInterrupts;
   }
   for (; copy.position < tail; ++copy.position) {
-    GtInterrupt found;
+    QueuedInterrupt found;
     if (!read(gt, copy.position, found)) {
       ++lost_;
       continue;

@@ -18,7 +18,7 @@ constexpr std::size_t kUsualFrame = 8UL * 1024;               // [B]
 constexpr std::int64_t kLatestTime = std::int64_t{1} << 60;   // [ns], 36 years after the start
 
 /// The header as it is in a frame.
-struct Wire {
+struct WireHeader {
   std::uint32_t magic;
   std::uint16_t version;
   std::uint8_t kind, reserved;
@@ -29,9 +29,9 @@ struct Wire {
   std::int64_t sent;
   std::uint64_t checksum;  ///< of all bytes, with 0 here
 };
-static_assert(sizeof(Wire) == 56 && std::is_trivially_copyable_v<Wire>);
+static_assert(sizeof(WireHeader) == 56 && std::is_trivially_copyable_v<WireHeader>);
 
-std::uint64_t checksum_of(Wire wire, std::span<const std::byte> payload) {
+std::uint64_t checksum_of(WireHeader wire, std::span<const std::byte> payload) {
   wire.checksum = 0;
   return XXH3_64bits_withSeed(payload.data(), payload.size(), XXH3_64bits(&wire, sizeof wire));
 }
@@ -67,7 +67,7 @@ std::optional<Frame> decode(std::span<const std::byte> bytes, FrameDefect& defec
     defect = found;
     return std::nullopt;
   };
-  Wire wire;
+  WireHeader wire;
   if (bytes.size() < sizeof wire || bytes.size() > kLargestFrame)
     return refuse(FrameDefect::Length);
   std::memcpy(&wire, bytes.data(), sizeof wire);
@@ -109,7 +109,7 @@ bool UpdateReader::next(Update& update) {
 
 FrameWriter::FrameWriter(const FrameHeader& header) : header_{header} {
   bytes_.reserve(kUsualFrame);
-  bytes_.resize(sizeof(Wire));
+  bytes_.resize(sizeof(WireHeader));
   header_.count = 0;
 }
 
@@ -148,19 +148,19 @@ void FrameWriter::add_bytes(std::span<const std::byte> bytes) {
 }
 
 std::vector<std::byte> FrameWriter::finish() {
-  const auto payload = std::span<const std::byte>{bytes_}.subspan(sizeof(Wire));
-  Wire wire{kMagic,
-            kFrameVersion,
-            static_cast<std::uint8_t>(header_.kind),
-            0,
-            header_.host,
-            header_.map_hash,
-            header_.node,
-            header_.count,
-            static_cast<std::uint32_t>(payload.size()),
-            header_.first,
-            header_.sent,
-            0};
+  const auto payload = std::span<const std::byte>{bytes_}.subspan(sizeof(WireHeader));
+  WireHeader wire{kMagic,
+                  kFrameVersion,
+                  static_cast<std::uint8_t>(header_.kind),
+                  0,
+                  header_.host,
+                  header_.map_hash,
+                  header_.node,
+                  header_.count,
+                  static_cast<std::uint32_t>(payload.size()),
+                  header_.first,
+                  header_.sent,
+                  0};
   wire.checksum = checksum_of(wire, payload);
   std::memcpy(bytes_.data(), &wire, sizeof wire);
   bytes_.shrink_to_fit();  // many small frames are kept

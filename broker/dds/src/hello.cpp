@@ -42,7 +42,7 @@ std::optional<Plain> take(std::span<const std::byte>& bytes) {
   return plain;
 }
 template std::optional<Request> take(std::span<const std::byte>&);
-template std::optional<Part> take(std::span<const std::byte>&);
+template std::optional<SnapshotPart> take(std::span<const std::byte>&);
 template std::optional<std::uint64_t> take(std::span<const std::byte>&);
 
 namespace {

@@ -23,7 +23,7 @@ struct Announced {
 };
 
 /// Another host's last Hello, as the sender received it.
-struct Echo {
+struct HelloEcho {
   HostId host = 0;
   TimePoint sent{0};      ///< on that host's clock
   TimePoint received{0};  ///< on the sender's clock
@@ -48,7 +48,7 @@ struct Hello {
   Duration real_time{0};  ///< CLOCK_REALTIME minus CLOCK_MONOTONIC
   std::vector<Announced> nodes;
   std::vector<Received> received;
-  std::vector<Echo> echoes;  ///< of the hosts whose announcements arrive
+  std::vector<HelloEcho> echoes;  ///< of the hosts whose announcements arrive
   std::vector<Missed> missed;
   bool is_last = false;  ///< the sender ends in order
 };
@@ -65,7 +65,7 @@ struct Request {
   std::uint64_t end = 0;
 };
 /// Part of a snapshot; the last bytes of its payload.
-struct Part {
+struct SnapshotPart {
   HostId to = 0;  ///< the host that asked; 0: all, since updates are lost
   std::uint32_t index = 0;
   std::uint32_t parts = 0;  ///< number of parts in the last one, otherwise 0

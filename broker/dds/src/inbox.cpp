@@ -143,7 +143,7 @@ void Inbox::publish_status(TimePoint now) {
   if (now < published_ + kStatusPeriod) return;
   published_ = now;
   GatewayStatus status;
-  std::vector<Echo> echoes;
+  std::vector<HelloEcho> echoes;
   for (const auto& [id, host] : hosts_) {
     if (now - host.arrival > kSilence || host.has_ended) continue;
     RemoteHost remote{host.name, now - host.arrival, {}, host.real_time_ahead};

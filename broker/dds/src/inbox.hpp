@@ -119,10 +119,10 @@ class Inbox {
   TimePoint now_{0};
   std::map<std::uint16_t, std::unique_ptr<Stream>> streams_;  ///< by NodeId: one owner per node
   std::map<HostId, Host> hosts_;
-  std::map<HostId, Echo> visitors_;
+  std::map<HostId, HelloEcho> visitors_;
   std::map<HostId, TimePoint> heard_;      ///< last arrivals, also with another map
   std::map<std::string, TimePoint> lost_;  ///< hosts, with their last arrival
-  Signals signals_;
+  GatewaySignals signals_;
   TimePoint published_{0};
   TimePoint newest_host_{0};                            ///< when a host came
   std::set<std::pair<HostId, std::uint16_t>> refused_;  ///< reported once

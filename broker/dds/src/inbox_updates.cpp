@@ -104,9 +104,9 @@ bool Inbox::write_run(Stream& stream, const Update& run) {
 
 void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {
   const std::size_t size = frame.payload.size();
-  if (size < sizeof(Part)) return bad_frame("a frame was dropped: malformed snapshot");
-  auto tail = frame.payload.subspan(size - sizeof(Part));
-  const Part part = *take<Part>(tail);
+  if (size < sizeof(SnapshotPart)) return bad_frame("a frame was dropped: malformed snapshot");
+  auto tail = frame.payload.subspan(size - sizeof(SnapshotPart));
+  const SnapshotPart part = *take<SnapshotPart>(tail);
   if (part.to != shared_.host && part.to != 0) return;
   if (stream.synced && frame.header.first < stream.expected) return;  // older than the ring
   if (frame.header.first != stream.part_first || stream.synced) {
@@ -115,7 +115,7 @@ void Inbox::receive_snapshot(Stream& stream, const Frame& frame) {
   }
   stream.part_first = frame.header.first;
   stream.synced = false;
-  UpdateReader reader{frame.payload.first(size - sizeof(Part))};
+  UpdateReader reader{frame.payload.first(size - sizeof(SnapshotPart))};
   for (Update update; reader.next(update);)
     if (!write(stream, update))
       return bad_frame("a frame was dropped: it has words of other nodes");

@@ -403,7 +403,7 @@ void Outbox::send_snapshot(Stream& stream, HostId to) {
   std::uint32_t index = 0;
   const auto send_part = [&](bool is_last) {
     // The part stands behind the updates, where it disturbs no reader of them.
-    frame->add_bytes(bytes_of(Part{to, index, is_last ? index + 1 : 0}));
+    frame->add_bytes(bytes_of(SnapshotPart{to, index, is_last ? index + 1 : 0}));
     send(frame->finish());
     frame.reset();
     ++index;

@@ -62,7 +62,7 @@ struct Shared {
   std::mutex mutex;
   std::vector<Asked> asked;                     ///< by other hosts
   std::vector<std::vector<std::byte>> to_send;  ///< the receiver's requests
-  std::vector<Echo> echoes;                     ///< of the other hosts' announcements
+  std::vector<HelloEcho> echoes;                ///< of the other hosts' announcements
   std::vector<Received> received;               ///< of the other hosts' streams
   /// What a host has of the nodes here: all their writes before this number.
   using Confirmed = std::map<std::uint16_t, std::uint64_t>;

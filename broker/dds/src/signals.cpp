@@ -5,7 +5,7 @@
 
 namespace rths::dds {
 
-Signals::Signals(broker::Ring& ring, const std::string& host) {
+GatewaySignals::GatewaySignals(broker::Ring& ring, const std::string& host) {
   const std::string node = "gateway_" + host, prefix = "gateway." + host;
   const auto& nodes = ring.map().description().nodes;
   if (std::none_of(nodes.begin(), nodes.end(), [&](const auto& n) { return n.name == node; }))
@@ -16,13 +16,13 @@ Signals::Signals(broker::Ring& ring, const std::string& host) {
       signals_.push_back({entry.signal->name, entry.signal->offset, memmap::Codec{*entry.signal}});
 }
 
-void Signals::set(const std::string& name, Duration value) {
+void GatewaySignals::set(const std::string& name, Duration value) {
   for (const auto& signal : signals_)
     if (signal.name == name)
       static_cast<void>(node_->write(signal.offset, signal.codec.encode(to_seconds(value))));
 }
 
-void Signals::write(const GatewayStatus& status) {
+void GatewaySignals::write(const GatewayStatus& status) {
   if (!node_) return;
   for (const auto& node : status.nodes) {
     set("age." + node.node, node.age);

@@ -14,11 +14,11 @@ namespace rths::dds {
 /// The signals of a gateway, if the map has them: the node `gateway_<host>` writes
 /// `gateway.<host>.age.<node>`, `.delay.<node>`, `.clock_offset.<host>` and `.clock_error.<host>`
 /// in a unit of time. One thread.
-class Signals {
+class GatewaySignals {
  public:
   /// @param host  name of this host
   /// @throws Error if the node is on the ring already   @setup
-  Signals(broker::Ring& ring, const std::string& host);
+  GatewaySignals(broker::Ring& ring, const std::string& host);
   void write(const GatewayStatus& status);
 
  private:

@@ -14,7 +14,7 @@ namespace rths::replicated {
 
 using namespace scramnet;
 
-Node::Node(const NodeSetup& setup, CardType type)
+CardNode::CardNode(const NodeSetup& setup, CardType type)
     : fibre{from_ns(5 * setup.fibre_m)},
       extra_delay{setup.extra_delay},
       bypass_switch{setup.bypass_switch},
@@ -29,7 +29,7 @@ Node::Node(const NodeSetup& setup, CardType type)
 
 Access Engine::write(std::uint32_t at, std::uint32_t offset, std::uint32_t value,
                      std::uint32_t bytes) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   RTHS_ASSERT(bytes == 1 || bytes == 2 || bytes == 4);
   offset -= offset % bytes;
   if (!node.powered || offset + std::uint64_t{bytes} > node.memory.size()) return Access::Local;
@@ -38,7 +38,7 @@ Access Engine::write(std::uint32_t at, std::uint32_t offset, std::uint32_t value
 }
 
 std::uint32_t Engine::read(std::uint32_t at, std::uint32_t offset, std::uint32_t bytes) {
-  const Node& node = nodes_[at];
+  const CardNode& node = nodes_[at];
   RTHS_ASSERT(bytes == 1 || bytes == 2 || bytes == 4);
   offset -= offset % bytes;
   if (!node.powered || offset + std::uint64_t{bytes} > node.memory.size()) return 0xFFFF'FFFF;
@@ -50,7 +50,7 @@ std::uint32_t Engine::read(std::uint32_t at, std::uint32_t offset, std::uint32_t
 }
 
 void Engine::power_up(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (type_ == CardType::Plus) {
     registers(node).power_up(node.id);
     registers(node).set_size_code(size_code_of(node.memory.size()));
@@ -62,7 +62,7 @@ void Engine::power_up(std::uint32_t at) {
 }
 
 void Engine::set_power(std::uint32_t at, bool on) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (node.powered == on) return;
   node.powered = on;
   node.fifo.clear();
@@ -94,7 +94,7 @@ Path path_of_plus(const Registers& csr, bool bypass_switch) {
 }  // namespace
 
 void Engine::update_path(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (!node.powered) {
     node.path = Path::Off;
   } else if (type_ == CardType::Gt) {
@@ -109,7 +109,7 @@ bool Engine::has_carrier(std::uint32_t at) const {
   if (nodes_[at].path == Path::Looped || nodes_[at].path == Path::Breaking) return true;
   for (std::uint32_t steps = 0, node = at; steps < nodes_.size(); ++steps) {
     node = node == 0 ? static_cast<std::uint32_t>(nodes_.size()) - 1 : node - 1;
-    const Node& upstream = nodes_[node];
+    const CardNode& upstream = nodes_[node];
     if (!upstream.connected) return false;
     if (upstream.path == Path::Inserted) return true;
     if (!upstream.bypass_switch || upstream.path == Path::Breaking) return false;
@@ -118,7 +118,7 @@ bool Engine::has_carrier(std::uint32_t at) const {
 }
 
 CardReport Engine::report(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   CardReport report = node.counts;
   report.powered = node.powered;
   report.transmit_fifo = node.fifo.size();

@@ -105,7 +105,7 @@ std::uint32_t Engine::behind(std::uint32_t node) const {
 
 // The head of a message is recognised `gap` before it can leave the node.
 void Engine::on_head(std::uint32_t index, std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   Message& message = messages_[index];
   const bool connected = message.looped || node.path == Path::Inserted;
   node.input.start = message.arrival;
@@ -133,7 +133,7 @@ void Engine::on_head(std::uint32_t index, std::uint32_t at) {
 }
 
 void Engine::pass_optically(std::uint32_t index, std::uint32_t at) {
-  const Node& node = nodes_[at];
+  const CardNode& node = nodes_[at];
   if (node.bypass_switch && node.path != Path::Breaking)
     return send_to_next(index, at, messages_[index].arrival);
   log(Hop::Kind::Broken, messages_[index], at);
@@ -141,7 +141,7 @@ void Engine::pass_optically(std::uint32_t index, std::uint32_t at) {
 }
 
 void Engine::forward(std::uint32_t index, std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   Message& message = messages_[index];
   const bool waits = node.waiting != 0 || node.output.open != kNone;
   if (!waits && !own_goes_first(node, message.ready))
@@ -153,7 +153,7 @@ void Engine::forward(std::uint32_t index, std::uint32_t at) {
 
 // A message of the ring that waits for the line goes first. One that comes within the gap before
 // an own message goes first, too, but only one: so no node can keep another from sending.
-bool Engine::own_goes_first(Node& node, Time ready) const {
+bool Engine::own_goes_first(CardNode& node, Time ready) const {
   if (!node.transmit_scheduled || ready < std::max(node.output.free, node.transmit_at))
     return false;
   const bool goes_first = node.yielded;
@@ -162,7 +162,7 @@ bool Engine::own_goes_first(Node& node, Time ready) const {
 }
 
 void Engine::drain(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   while (node.waiting != 0 && node.output.open == kNone) {
     const std::uint32_t index = node.waiting_first;
     if (own_goes_first(node, messages_[index].ready)) return;
@@ -173,7 +173,7 @@ void Engine::drain(std::uint32_t at) {
 }
 
 void Engine::put_on_line(std::uint32_t index, std::uint32_t at, Time start) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   Message& message = messages_[index];
   node.output.start = start;
   ++hops;
@@ -199,7 +199,7 @@ void Engine::put_on_line(std::uint32_t index, std::uint32_t at, Time start) {
 
 void Engine::send_to_next(std::uint32_t index, std::uint32_t from, Time start) {
   Message& message = messages_[index];
-  const Node& node = nodes_[from];
+  const CardNode& node = nodes_[from];
   if (!message.looped && !node.connected) {
     log(Hop::Kind::Broken, message, from);
     return end_head(index);
@@ -216,7 +216,7 @@ void Engine::close(std::uint32_t index) {
   message.open = false;
   const Time duration = rates_.message(static_cast<std::uint32_t>(message.longwords.size()));
   const auto end_output = [&](std::uint32_t at) {
-    Line& output = nodes_[at].output;
+    CardLine& output = nodes_[at].output;
     if (output.open != index) return;
     output.open = kNone;
     output.free = output.start + duration + rates_.gap;
@@ -241,7 +241,7 @@ void Engine::close(std::uint32_t index) {
 
 void Engine::expect_reception(std::uint32_t index, std::uint32_t at) {
   Message& message = messages_[index];
-  const Line& input = nodes_[at].input;
+  const CardLine& input = nodes_[at].input;
   Event event;
   event.time = input.start + rates_.message(static_cast<std::uint32_t>(message.longwords.size()));
   event.subject = index;

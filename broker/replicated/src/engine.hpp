@@ -25,7 +25,7 @@ class Engine {
   void run_until(Time time);
   bool run_until_idle(Time limit);
   [[nodiscard]] const EventQueue& events() const { return events_; }
-  [[nodiscard]] std::vector<Node>& nodes() { return nodes_; }
+  [[nodiscard]] std::vector<CardNode>& nodes() { return nodes_; }
   [[nodiscard]] CardType type() const { return type_; }
 
   Access write(std::uint32_t node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
@@ -38,7 +38,7 @@ class Engine {
   bool set_gt_state(std::uint32_t node, std::uint32_t state, std::uint32_t value);
   [[nodiscard]] std::uint32_t read_cr(std::uint32_t node, std::uint32_t offset);
   void write_cr(std::uint32_t node, std::uint32_t offset, std::uint32_t value);
-  Access send_interrupt(std::uint32_t node, const Entry& interrupt);
+  Access send_interrupt(std::uint32_t node, const FifoEntry& interrupt);
 
   /// Uses a card in the object of an image, whose host is another process, one of `members`.
   void share(std::uint32_t node, scramnet::Card& card, scramnet::Word* acr,
@@ -62,7 +62,7 @@ class Engine {
   void on_head(std::uint32_t message, std::uint32_t at);
   void pass_optically(std::uint32_t message, std::uint32_t at);
   void forward(std::uint32_t message, std::uint32_t at);
-  [[nodiscard]] bool own_goes_first(Node& node, Time ready) const;
+  [[nodiscard]] bool own_goes_first(CardNode& node, Time ready) const;
   void drain(std::uint32_t at);
   void put_on_line(std::uint32_t message, std::uint32_t at, Time start);
   void send_to_next(std::uint32_t message, std::uint32_t from, Time start);
@@ -80,48 +80,48 @@ class Engine {
 
   // Own messages.
   void schedule_transmit(std::uint32_t at, Time earliest);
-  [[nodiscard]] bool may_transmit(const Node& node) const;
+  [[nodiscard]] bool may_transmit(const CardNode& node) const;
   void on_transmit(std::uint32_t at);
   void start_own(std::uint32_t at);
   std::uint32_t make_own(std::uint32_t at);
-  [[nodiscard]] std::uint32_t most_longwords(const Node& node) const;
+  [[nodiscard]] std::uint32_t most_longwords(const CardNode& node) const;
   void on_extend(std::uint32_t at);
   void on_timeout(std::uint32_t at, std::uint32_t attempt);
   void expect_return(std::uint32_t at, std::uint32_t message);
   void on_return(std::uint32_t at, const Message& message, bool damaged);
-  [[nodiscard]] bool corrects(const Node& node) const;
+  [[nodiscard]] bool corrects(const CardNode& node) const;
 
   // Received messages.
   void on_received(const Event& event);
-  void store_plus(Node& node, const Message& message, bool own);
-  void interrupt_of(Node& node, const Message& message, bool own, std::uint64_t offset,
+  void store_plus(CardNode& node, const Message& message, bool own);
+  void interrupt_of(CardNode& node, const Message& message, bool own, std::uint64_t offset,
                     std::uint64_t window);
-  void store_gt(Node& node, const Message& message, bool own);
-  bool queue_gt(Node& node, const Message& message, bool own);
-  bool store_gt_data(Node& node, const Message& message, bool own);
-  void reject(Node& node);
-  [[nodiscard]] std::uint32_t receive_id(const Node& node) const;
-  [[nodiscard]] bool is_own_id(const Node& node, const Message& message) const;
+  void store_gt(CardNode& node, const Message& message, bool own);
+  bool queue_gt(CardNode& node, const Message& message, bool own);
+  bool store_gt_data(CardNode& node, const Message& message, bool own);
+  void reject(CardNode& node);
+  [[nodiscard]] std::uint32_t receive_id(const CardNode& node) const;
+  [[nodiscard]] bool is_own_id(const CardNode& node, const Message& message) const;
 
   // Host's side.
-  [[nodiscard]] scramnet::Registers registers(const Node& node) const;
-  Access write_plus(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
-  Access write_gt(Node& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
-  Access enqueue(Node& node, const Entry& entry);
-  void reset_transmitter(Node& node);
-  void interrupt_host(Node& node);
+  [[nodiscard]] scramnet::Registers registers(const CardNode& node) const;
+  Access write_plus(CardNode& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
+  Access write_gt(CardNode& node, std::uint32_t offset, std::uint32_t value, std::uint32_t bytes);
+  Access enqueue(CardNode& node, const FifoEntry& entry);
+  void reset_transmitter(CardNode& node);
+  void interrupt_host(CardNode& node);
   [[nodiscard]] std::int64_t clock_ns() const {
     return clock_origin_ns_ + std::chrono::duration_cast<std::chrono::nanoseconds>(now_).count();
   }
-  void latch(Node& node, std::uint32_t csr1_bits);
-  void latch_error(Node& node, std::uint32_t csr1_bits);
-  void trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr);
+  void latch(CardNode& node, std::uint32_t csr1_bits);
+  void latch_error(CardNode& node, std::uint32_t csr1_bits);
+  void trigger(CardNode& node, std::uint32_t acr_bit, std::uint32_t acr);
   void update_path(std::uint32_t at);
   [[nodiscard]] std::uint32_t live_status(std::uint32_t at) const;
   [[nodiscard]] bool has_carrier(std::uint32_t at) const;
   [[nodiscard]] scramnet::GtRing gt_ring(std::uint32_t at) const;
   [[nodiscard]] Time quiet_round_trip(std::uint32_t at) const;
-  [[nodiscard]] std::uint32_t position(const Node& node) const {
+  [[nodiscard]] std::uint32_t position(const CardNode& node) const {
     return static_cast<std::uint32_t>(&node - nodes_.data());
   }
 
@@ -130,7 +130,7 @@ class Engine {
   bool strict_ids_;
   double bit_error_rate_;
   std::uint64_t random_;
-  std::vector<Node> nodes_;
+  std::vector<CardNode> nodes_;
   Messages messages_;
   EventQueue events_;
   Time now_{0};

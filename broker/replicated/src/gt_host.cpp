@@ -8,7 +8,7 @@ namespace rths::replicated {
 using namespace scramnet;
 
 // Bytes travel with their enables, so that stores of different nodes into one longword survive.
-Access Engine::write_gt(Node& node, std::uint32_t offset, std::uint32_t value,
+Access Engine::write_gt(CardNode& node, std::uint32_t offset, std::uint32_t value,
                         std::uint32_t bytes) {
   const bool sends = is_set(*node.gt, gt::kLinkControl, gt::kTransmit);
   if (sends && node.fifo.is_full()) return Access::HeldOff;
@@ -17,15 +17,15 @@ Access Engine::write_gt(Node& node, std::uint32_t offset, std::uint32_t value,
       node.memory.set(offset + byte, static_cast<std::uint8_t>(value >> 8 * byte));
   }
   if (!sends) return Access::Local;
-  Entry entry;
+  FifoEntry entry;
   entry.address = offset & ~3U;
   entry.value = value << offset % 4 * 8;
   entry.enables = enabled_bytes(offset, bytes);
   return enqueue(node, entry);
 }
 
-Access Engine::send_interrupt(std::uint32_t at, const Entry& interrupt) {
-  Node& node = nodes_[at];
+Access Engine::send_interrupt(std::uint32_t at, const FifoEntry& interrupt) {
+  CardNode& node = nodes_[at];
   if (!node.powered || !is_set(*node.gt, gt::kLinkControl, gt::kTransmit)) return Access::Local;
   return node.fifo.is_full() ? Access::HeldOff : enqueue(node, interrupt);
 }
@@ -34,7 +34,7 @@ Access Engine::send_interrupt(std::uint32_t at, const Entry& interrupt) {
 GtRing Engine::gt_ring(std::uint32_t at) const {
   GtRing ring{.nodes = 1, .upstream = node_id(*nodes_[at].gt), .closed = nodes_[at].connected};
   for (std::uint32_t other = behind(at); other != at; other = behind(other)) {
-    const Node& node = nodes_[other];
+    const CardNode& node = nodes_[other];
     ring.closed =
         ring.closed && node.connected && (node.path == Path::Inserted || node.bypass_switch);
     if (node.path != Path::Inserted) continue;
@@ -51,7 +51,7 @@ GtRing Engine::gt_ring(std::uint32_t at) const {
 Time Engine::quiet_round_trip(std::uint32_t at) const {
   Time time = nodes_[at].fibre;
   for (std::uint32_t other = behind(at); other != at; other = behind(other)) {
-    const Node& node = nodes_[other];
+    const CardNode& node = nodes_[other];
     time += node.fibre;
     if (node.path == Path::Inserted) time += rates_.node_delay + node.extra_delay;
   }

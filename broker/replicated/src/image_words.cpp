@@ -79,7 +79,7 @@ void Images::State::flush(std::uint32_t at) {
 }
 
 void Images::State::arrive(const Hop& hop) {
-  const Node& card = cards.engine_->nodes()[hop.node];
+  const CardNode& card = cards.engine_->nodes()[hop.node];
   const std::uint64_t begin_of_window = window(hop.node);
   for (std::uint32_t i = 0; i < hop.longwords; ++i) {
     const std::uint64_t address = hop.address.value() + std::uint64_t{4} * i;

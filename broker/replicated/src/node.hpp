@@ -28,7 +28,7 @@ enum class Path : std::uint8_t {
 };
 
 /// The message whose bits pass a node's input or output now.
-struct Line {
+struct CardLine {
   std::uint32_t open = kNone;  ///< message of unknown length; none if the line's end is known
   Time start{0};               ///< of the last message
   Time free{0};                ///< output only: the next message may start; unknown while open
@@ -51,14 +51,14 @@ struct GtQueue {
   [[nodiscard]] std::uint32_t size() const { return added - taken; }
 };
 
-struct Node {
-  explicit Node(const NodeSetup& setup, CardType type);
+struct CardNode {
+  explicit CardNode(const NodeSetup& setup, CardType type);
 
   // Ring.
   Time fibre, extra_delay;
   bool connected = true, bypass_switch, powered = true;
   Path path = Path::Monitor;
-  Line input, output;
+  CardLine input, output;
   std::uint32_t waiting_first = kNone, waiting_last = kNone, waiting = 0;  ///< insertion register
 
   // Transmitter.

@@ -37,7 +37,7 @@ std::uint32_t level_flags(const TransmitFifo& fifo) {
 
 // HIPRO: bytes of a longword are withheld until all four have been written. Returns true if the
 // longword may leave.
-bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::uint32_t bytes) {
+bool completes_hipro(CardNode& node, std::uint32_t acr, std::uint32_t offset, std::uint32_t bytes) {
   if ((acr & acr::kHiPro) == 0) {
     node.hipro_longword = kNone;
     return true;
@@ -52,13 +52,13 @@ bool completes_hipro(Node& node, std::uint32_t acr, std::uint32_t offset, std::u
 
 }  // namespace
 
-Registers Engine::registers(const Node& node) const {
+Registers Engine::registers(const CardNode& node) const {
   now_ns_ = clock_ns();
   return Registers{*node.plus, now_ns_};
 }
 
 // Adds to the FIFO and raises its flags.
-Access Engine::enqueue(Node& node, const Entry& entry) {
+Access Engine::enqueue(CardNode& node, const FifoEntry& entry) {
   node.fifo.add(entry);
   if (type_ == CardType::Plus && node.fifo.size() >= TransmitFifo::kSevenEighths)
     latch(node, level_flags(node.fifo));
@@ -66,7 +66,7 @@ Access Engine::enqueue(Node& node, const Entry& entry) {
   return Access::Queued;
 }
 
-Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
+Access Engine::write_plus(CardNode& node, std::uint32_t offset, std::uint32_t value,
                           std::uint32_t bytes) {
   const Registers csr = registers(node);
   if (csr.all_set(0, csr0::kAcrWindow)) {
@@ -90,7 +90,7 @@ Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
   if (!connected) return Access::Local;
   if (unchanged) return Access::Filtered;
   if (full) return Access::Lost;
-  Entry entry;
+  FifoEntry entry;
   entry.address = static_cast<std::uint32_t>(network_offset(csr.peek(12))) + at;
   entry.value = after;
   entry.interrupt = interrupt;
@@ -99,21 +99,21 @@ Access Engine::write_plus(Node& node, std::uint32_t offset, std::uint32_t value,
 
 // Conditions of CSR1 that hold now.
 std::uint32_t Engine::live_status(std::uint32_t at) const {
-  const Node& node = nodes_[at];
+  const CardNode& node = nodes_[at];
   return (node.fifo.is_empty() ? 0U : csr1::kTransmitFifoNotEmpty) | level_flags(node.fifo) |
          (size(node.plus->fifo) >= kFifoEntries ? csr1::kInterruptFifoFull : 0U) |
          (has_carrier(at) ? 0U : csr1::kNoCarrier);
 }
 
 std::uint32_t Engine::read_csr(std::uint32_t at, int index) {
-  const Node& node = nodes_[at];
+  const CardNode& node = nodes_[at];
   return registers(node).read(index, {.nodes = node.counts.ring_nodes,
                                       .bypass_switch = node.bypass_switch,
                                       .live_status = live_status(at)});
 }
 
 std::uint32_t Engine::peek_csr(std::uint32_t at, int index) {
-  const Node& node = nodes_[at];
+  const CardNode& node = nodes_[at];
   if (index == 1)
     return node.plus->latched.load() | live_status(at) |
            (node.plus->armed.load() != 0 ? csr1::kArmed : 0U) |
@@ -122,14 +122,14 @@ std::uint32_t Engine::peek_csr(std::uint32_t at, int index) {
   return read_csr(at, index);
 }
 
-void Engine::reset_transmitter(Node& node) {
+void Engine::reset_transmitter(CardNode& node) {
   node.fifo.clear();
   node.outstanding.active = false;
   node.hipro_longword = kNone;
 }
 
 void Engine::write_csr(std::uint32_t at, int index, std::uint32_t value) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   Registers csr = registers(node);
   const std::uint32_t before = csr.peek(0);
   csr.write(index, value);
@@ -149,7 +149,7 @@ void Engine::set_acr(std::uint32_t at, std::uint32_t longword, std::uint32_t bit
 
 void Engine::share(std::uint32_t at, scramnet::Card& card, scramnet::Word* acr,
                    broker::Members members) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   node.shared = &card;
   node.members = members;
   node.plus = &card.plus;
@@ -159,7 +159,7 @@ void Engine::share(std::uint32_t at, scramnet::Card& card, scramnet::Word* acr,
 }
 
 void Engine::exchange(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (node.shared == nullptr || !node.powered) return;
   Carried& carried = node.shared->carried;
   if (carried.transmit_resets.exchange(0) != 0) reset_transmitter(node);

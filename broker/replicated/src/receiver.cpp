@@ -12,18 +12,18 @@ namespace rths::replicated {
 
 using namespace scramnet;
 
-std::uint32_t Engine::receive_id(const Node& node) const {
+std::uint32_t Engine::receive_id(const CardNode& node) const {
   return type_ == CardType::Plus ? node.plus->receive_id.load() : node_id(*node.gt);
 }
 
 // Cards know their messages by their id. Where another node has the same id, the hardware takes
 // that node's messages for its own.
-bool Engine::is_own_id(const Node& node, const Message& message) const {
+bool Engine::is_own_id(const CardNode& node, const Message& message) const {
   return message.source == receive_id(node) && (strict_ids_ || message.origin == position(node));
 }
 
 void Engine::on_received(const Event& event) {
-  Node& node = nodes_[event.node];
+  CardNode& node = nodes_[event.node];
   Message& message = messages_[event.subject];
   if (message.origin != event.node && message.source == receive_id(node)) ++node.counts.same_id;
   if (event.damaged) {
@@ -39,7 +39,7 @@ void Engine::on_received(const Event& event) {
   release_if_done(event.subject);
 }
 
-void Engine::reject(Node& node) {
+void Engine::reject(CardNode& node) {
   ++node.counts.rejected;
   if (type_ == CardType::Plus)
     latch_error(node, csr1::kBadMessage);
@@ -47,7 +47,7 @@ void Engine::reject(Node& node) {
     node.gt->own[0].fetch_add(1);  // link errors
 }
 
-void Engine::store_plus(Node& node, const Message& message, bool own) {
+void Engine::store_plus(CardNode& node, const Message& message, bool own) {
   Registers csr = registers(node);
   if (!csr.all_set(0, csr0::kReceive) || (own && !csr.all_set(2, csr2::kReceiveOwn))) return;
   ++node.counts.stored;
@@ -66,7 +66,7 @@ void Engine::store_plus(Node& node, const Message& message, bool own) {
 }
 
 // Trigger and interrupt of one longword of a message.
-void Engine::interrupt_of(Node& node, const Message& message, bool own, std::uint64_t offset,
+void Engine::interrupt_of(CardNode& node, const Message& message, bool own, std::uint64_t offset,
                           std::uint64_t window) {
   const std::uint32_t acr = node.acr.get(offset / 4);
   trigger(node, acr::kTriggerOnMessage, acr);
@@ -77,7 +77,7 @@ void Engine::interrupt_of(Node& node, const Message& message, bool own, std::uin
   if (size(node.plus->fifo) == kFifoEntries) latch(node, csr1::kInterruptFifoFull);
 }
 
-void Engine::store_gt(Node& node, const Message& message, bool own) {
+void Engine::store_gt(CardNode& node, const Message& message, bool own) {
   const bool is_taken = message.content == Content::Data ? store_gt_data(node, message, own)
                                                          : queue_gt(node, message, own);
   if (!is_taken) return;
@@ -86,7 +86,7 @@ void Engine::store_gt(Node& node, const Message& message, bool own) {
 }
 
 // @returns false if the card does not take this interrupt, or has no space for it
-bool Engine::queue_gt(Node& node, const Message& message, bool own) {
+bool Engine::queue_gt(CardNode& node, const Message& message, bool own) {
   const GtCard& card = *node.gt;
   const bool unicast = message.content == Content::Unicast;
   const std::uint32_t type = unicast ? gt_interrupt::kUnicast : gt_interrupt::kBroadcast;
@@ -104,7 +104,7 @@ bool Engine::queue_gt(Node& node, const Message& message, bool own) {
 }
 
 // @returns false if the card does not receive
-bool Engine::store_gt_data(Node& node, const Message& message, bool own) {
+bool Engine::store_gt_data(CardNode& node, const Message& message, bool own) {
   const GtCard& card = *node.gt;
   if (!is_set(card, gt::kLinkControl, gt::kReceive)) return false;
   if (own && !is_set(card, gt::kLinkControl, gt::kWriteMeLast)) return false;
@@ -119,24 +119,24 @@ bool Engine::store_gt_data(Node& node, const Message& message, bool own) {
 }
 
 // A card in an image has its host in another process.
-void Engine::interrupt_host(Node& node) {
+void Engine::interrupt_host(CardNode& node) {
   if (node.shared != nullptr) return deliver_if_due(*node.shared, node.members);
   static_cast<void>(registers(node).take_host_interrupt());
 }
 
 // CSR1.4 and the other conditions of CSR1 interrupt the host if CSR9 selects them.
-void Engine::latch(Node& node, std::uint32_t csr1_bits) {
+void Engine::latch(CardNode& node, std::uint32_t csr1_bits) {
   registers(node).latch(csr1_bits);
   interrupt_host(node);
 }
 
-void Engine::latch_error(Node& node, std::uint32_t csr1_bits) {
+void Engine::latch_error(CardNode& node, std::uint32_t csr1_bits) {
   registers(node).count(Counted::Errors);
   latch(node, csr1_bits);
 }
 
 // Overridden interrupts disable the external triggers.
-void Engine::trigger(Node& node, std::uint32_t acr_bit, std::uint32_t acr) {
+void Engine::trigger(CardNode& node, std::uint32_t acr_bit, std::uint32_t acr) {
   if ((acr & acr_bit) == 0) return;
   Registers csr = registers(node);
   constexpr std::uint32_t kOverrides = csr0::kAllReceiveInterrupts | csr0::kAllSendInterrupts;

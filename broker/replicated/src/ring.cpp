@@ -54,7 +54,7 @@ void Card::write_cr(std::uint32_t offset, std::uint32_t value) {
   engine_->write_cr(node_, offset, value);
 }
 Access Card::send_interrupt(std::uint32_t type, std::uint32_t id, std::uint32_t value) {
-  Entry entry;
+  FifoEntry entry;
   entry.address = id;
   entry.value = value;
   entry.content = type == 0 ? Content::Unicast : Content::Broadcast;

@@ -56,9 +56,9 @@ std::uint32_t node_of(const Config& table, const std::vector<std::string>& names
 }
 
 /// Reads the tables of a scenario.
-class Reader {
+class ScenarioReader {
  public:
-  explicit Reader(const Config& file) {
+  explicit ScenarioReader(const Config& file) {
     static_cast<void>(file.integer_in("format", 1, 1));
     scenario_.setup.cards =
         choice<CardType>(file, "cards", {{"plus", CardType::Plus}, {"gt", CardType::Gt}}, "plus");
@@ -210,7 +210,7 @@ CardOptions read_cards(const Config& cards, const std::vector<Config>& faults,
 
 Scenario load_scenario(const std::filesystem::path& file) {
   const Config config = Config::load(file);
-  return Reader{config}.take();
+  return ScenarioReader{config}.take();
 }
 
 }  // namespace rths::replicated

@@ -47,9 +47,9 @@ std::string escaped(const std::string& text) {
 }
 
 /// Writes events, one per line; times in µs.
-class Writer {
+class TraceWriter {
  public:
-  explicit Writer(const Scenario& scenario) {
+  explicit TraceWriter(const Scenario& scenario) {
     for (const auto& name : scenario.names) names_.push_back(escaped(name));
     put(R"~("ph":"M","pid":1,"name":"process_name","args":{{"name":"ring, seed {}"}})~",
         scenario.setup.seed);
@@ -100,7 +100,7 @@ class Writer {
 
 std::string trace_of(const Scenario& scenario) {
   Course course{scenario};
-  Writer writer{scenario};
+  TraceWriter writer{scenario};
   course.ring().observe([&](const Hop& hop) {
     writer.add(hop);
     if (hop.kind == Hop::Kind::Inserted)

@@ -9,7 +9,7 @@
 namespace rths::replicated {
 
 /// A store on its way to the ring.
-struct Entry {
+struct FifoEntry {
   std::uint32_t address = 0;  ///< on the ring [B]; of an interrupt: its number
   std::uint32_t value = 0;
   std::uint8_t enables = 0xF;
@@ -30,13 +30,13 @@ class TransmitFifo {
   [[nodiscard]] std::uint32_t size() const { return added_ - taken_; }
   [[nodiscard]] bool is_empty() const { return added_ == taken_; }
   [[nodiscard]] bool is_full() const { return size() == kEntries; }
-  [[nodiscard]] const Entry& first() const { return entries_[taken_ % kEntries]; }
-  void add(const Entry& entry) { entries_[added_++ % kEntries] = entry; }
-  Entry take() { return entries_[taken_++ % kEntries]; }
+  [[nodiscard]] const FifoEntry& first() const { return entries_[taken_ % kEntries]; }
+  void add(const FifoEntry& entry) { entries_[added_++ % kEntries] = entry; }
+  FifoEntry take() { return entries_[taken_++ % kEntries]; }
   void clear() { taken_ = added_; }
 
  private:
-  std::array<Entry, kEntries> entries_{};
+  std::array<FifoEntry, kEntries> entries_{};
   std::uint32_t added_ = 0, taken_ = 0;
 };
 

@@ -13,11 +13,11 @@ namespace rths::replicated {
 
 using namespace scramnet;
 
-bool Engine::corrects(const Node& node) const {
+bool Engine::corrects(const CardNode& node) const {
   return type_ == CardType::Plus && !registers(node).all_set(2, csr2::kNoCorrection);
 }
 
-bool Engine::may_transmit(const Node& node) const {
+bool Engine::may_transmit(const CardNode& node) const {
   if (node.path == Path::Off || node.path == Path::Monitor || node.own_open != kNone) return false;
   if (node.outstanding.active ? !node.outstanding.repeat : node.fifo.is_empty()) return false;
   if (type_ == CardType::Gt) return is_set(*node.gt, gt::kLinkControl, gt::kTransmit);
@@ -25,7 +25,7 @@ bool Engine::may_transmit(const Node& node) const {
 }
 
 void Engine::schedule_transmit(std::uint32_t at, Time earliest) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (node.transmit_scheduled || node.output.open != kNone || !may_transmit(node)) return;
   node.transmit_scheduled = true;
   node.transmit_at = std::max({earliest, now_, node.output.free});
@@ -34,7 +34,7 @@ void Engine::schedule_transmit(std::uint32_t at, Time earliest) {
 }
 
 void Engine::on_transmit(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   node.transmit_scheduled = false;
   --scheduled_;
   if (node.output.open == kNone && node.output.free <= now_ && may_transmit(node)) start_own(at);
@@ -43,7 +43,7 @@ void Engine::on_transmit(std::uint32_t at) {
 }
 
 void Engine::start_own(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   const std::uint32_t index = make_own(at);
   Message& message = messages_[index];
   message.sent = now_;
@@ -63,7 +63,7 @@ void Engine::start_own(std::uint32_t at) {
 
 // The next message: a repetition, or the FIFO's first entry.
 std::uint32_t Engine::make_own(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   const std::uint32_t index = messages_.take();
   Message& message = messages_[index];
   if (node.outstanding.active) {
@@ -71,7 +71,7 @@ std::uint32_t Engine::make_own(std::uint32_t at) {
     message.repeated = true;
     node.outstanding.repeat = false;
   } else {
-    const Entry entry = node.fifo.take();
+    const FifoEntry entry = node.fifo.take();
     message.number = ++numbers_;
     message.address = entry.address;
     message.enables = entry.enables;
@@ -92,7 +92,7 @@ std::uint32_t Engine::make_own(std::uint32_t at) {
   return index;
 }
 
-std::uint32_t Engine::most_longwords(const Node& node) const {
+std::uint32_t Engine::most_longwords(const CardNode& node) const {
   if (type_ == CardType::Gt) return kGtBlock;
   const Registers csr = registers(node);
   if (!csr.all_set(2, csr2::kBlocks)) return 1;
@@ -102,7 +102,7 @@ std::uint32_t Engine::most_longwords(const Node& node) const {
 // A block ends if the FIFO is empty, or at an address that does not follow, the greatest length,
 // or an interrupt, which is a message of its own.
 void Engine::on_extend(std::uint32_t at) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   const std::uint32_t index = node.own_open;
   Message& message = messages_[index];
   const auto longwords = static_cast<std::uint32_t>(message.longwords.size());
@@ -121,7 +121,7 @@ void Engine::on_extend(std::uint32_t at) {
 
 // Keeps a copy; the time-out runs from the message's last bit.
 void Engine::expect_return(std::uint32_t at, std::uint32_t index) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   Outstanding& outstanding = node.outstanding;
   if (!outstanding.active) outstanding.message = messages_[index];
   outstanding.message.open = false;
@@ -133,7 +133,7 @@ void Engine::expect_return(std::uint32_t at, std::uint32_t index) {
 }
 
 void Engine::on_timeout(std::uint32_t at, std::uint32_t attempt) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (!node.outstanding.active || node.outstanding.attempt != attempt) return;
   node.outstanding.repeat = true;
   latch_error(node, csr1::kRepeatedAfterTimeout);
@@ -142,7 +142,7 @@ void Engine::on_timeout(std::uint32_t at, std::uint32_t attempt) {
 
 // An own message is back at its node.
 void Engine::on_return(std::uint32_t at, const Message& message, bool damaged) {
-  Node& node = nodes_[at];
+  CardNode& node = nodes_[at];
   if (!damaged) node.counts.ring_nodes = message.age - message.start_age + 1;
   if (node.transit_runs && !damaged) {
     node.transit_runs = false;

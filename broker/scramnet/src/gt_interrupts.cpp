@@ -37,7 +37,7 @@ Batch collect(const GtCard& card, std::uint64_t& position, scgtInterrupt* into, 
       batch.missed = true;
       position = oldest;
     }
-    GtInterrupt found;
+    QueuedInterrupt found;
     if (!read(card, position, found)) {  // overwritten while reading: skip to the oldest entry
       tail = card.tail.load();
       position = std::max(position + 1, tail > kKeptInterrupts ? tail - kKeptInterrupts : 0);

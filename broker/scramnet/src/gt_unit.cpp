@@ -51,8 +51,8 @@ GtRing GtUnit::ring() const {
 bool GtUnit::send(const scgtInterrupt& interrupt) {
   if (!is_set(card(), gt::kLinkControl, gt::kTransmit)) return true;
   const bool unicast = interrupt.type == SCGT_UNICAST_INTR;
-  const GtInterrupt message{interrupt.type, node_id(card()), unicast ? 0 : interrupt.id,
-                            interrupt.val};
+  const QueuedInterrupt message{interrupt.type, node_id(card()), unicast ? 0 : interrupt.id,
+                                interrupt.val};
   bool all = true;
   session_.for_each_card([&](const CardSession::CardView& other) {
     const bool self = other.card == &session_.card();

@@ -48,11 +48,11 @@ void set_state(const CpuState& cpu, mcontext_t& context) {
 
 /// The instruction's bytes. Those of the next page are read by the kernel, since it may not be
 /// there.
-struct Code {
+struct CodeAtTrap {
   std::array<std::uint8_t, kLongestInstruction> bytes{};
   std::size_t length = 0;
 
-  explicit Code(std::uint64_t address) {
+  explicit CodeAtTrap(std::uint64_t address) {
     const std::size_t here = std::min(kLongestInstruction, kTrapPage - address % kTrapPage);
     // Addresses are those of the program that was trapped.
     std::memcpy(bytes.data(), reinterpret_cast<const void*>(address), here);  // NOLINT
@@ -203,7 +203,7 @@ bool take_fault(const siginfo_t& info, ucontext_t& context) {
     return true;
   }
   CpuState cpu = state_of(context.uc_mcontext);
-  const Code code{cpu.next};
+  const CodeAtTrap code{cpu.next};
   const auto store = decode_store({code.bytes.data(), code.length}, cpu);
   if (store && make_store(*store, fault, context.uc_mcontext, cpu)) {
     set_state(cpu, context.uc_mcontext);

@@ -150,7 +150,7 @@ Case with_prediction(Case c, const std::filesystem::path& simulation) {
     if (other.use == Use::Reference) records.push_back(std::move(other));
   c.records = std::move(records);
   // The record contains the predictions; the case may have terms to add to them.
-  if (c.model.kind != "data") {
+  if (c.model.kind != ModelKind::Data) {
     c.model = {};
     c.source.file = c.source.file.without("model");
   }

@@ -79,12 +79,12 @@ double end_of(const Record& record) {
 }
 
 // A record and its table in the case.
-struct Entry {
+struct RecordWithTable {
   const Record& record;
   const Config& table;
 };
 
-void refuse_copy(const Entry& earlier, const Entry& later) {
+void refuse_copy(const RecordWithTable& earlier, const RecordWithTable& later) {
   if (have_same_file(earlier.table, later.table) || !have_same_values(earlier.record, later.record))
     return;
   later.table.fail("file", fmt::format("{} has the values of {}, a record to {}, in each channel, "
@@ -94,7 +94,7 @@ void refuse_copy(const Entry& earlier, const Entry& later) {
                                        reason_against(earlier.record, later.record)));
 }
 
-void refuse_overlap(const Entry& earlier, const Entry& later) {
+void refuse_overlap(const RecordWithTable& earlier, const RecordWithTable& later) {
   if (!have_same_source(earlier.table, later.table)) return;
   const double from = std::max(earlier.record.start, later.record.start);
   const double to = std::min(end_of(earlier.record), end_of(later.record));
@@ -112,7 +112,7 @@ void refuse_overlap(const Entry& earlier, const Entry& later) {
 void refuse_overlap(const std::vector<Record>& records, const std::vector<Config>& tables) {
   for (std::size_t i = 0; i < records.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
-      const Entry earlier{records[k], tables[k]}, later{records[i], tables[i]};
+      const RecordWithTable earlier{records[k], tables[k]}, later{records[i], tables[i]};
       if (records[k].use == Use::Reference || records[i].use == Use::Reference) continue;
       refuse_copy(earlier, later);
       refuse_overlap(earlier, later);

@@ -30,6 +30,7 @@ constexpr Family kFamilies[] = {{"command", true, {"m", "rad"}},
                                 {"auxiliary", true, {}}};
 constexpr std::string_view kPredicted = "predicted.";
 
+// In the order of ModelKind.
 constexpr std::string_view kModelKinds[] = {
     "bearing", "platen", "servo_axis", "structure", "mass_spring_damper", "linear", "data"};
 
@@ -58,17 +59,21 @@ std::optional<std::string> trouble_with(const std::string& full_role, const std:
   return fmt::format("{} is in {}, expected {}", full_role, si_unit, family->units[0]);
 }
 
-std::optional<std::string> model_kind(std::string spelling) {
+std::optional<ModelKind> model_kind(std::string spelling) {
   std::replace(spelling.begin(), spelling.end(), '-', '_');
   std::replace(spelling.begin(), spelling.end(), ' ', '_');
   if (spelling == "servo_hydraulic_axis") spelling = "servo_axis";
-  if (std::find(std::begin(kModelKinds), std::end(kModelKinds), spelling) == std::end(kModelKinds))
-    return std::nullopt;
-  return spelling;
+  const auto known = std::find(std::begin(kModelKinds), std::end(kModelKinds), spelling);
+  if (known == std::end(kModelKinds)) return std::nullopt;
+  return static_cast<ModelKind>(known - std::begin(kModelKinds));
 }
 
-bool is_composition(const std::string& kind) {
-  return kind == "bearing" || kind == "platen" || kind == "servo_axis";
+std::string name_of(ModelKind kind) {
+  return std::string{kModelKinds[static_cast<std::size_t>(kind)]};
+}
+
+bool is_composition(ModelKind kind) {
+  return kind == ModelKind::Bearing || kind == ModelKind::Platen || kind == ModelKind::ServoAxis;
 }
 
 std::string model_kinds() { return fmt::format("{}", fmt::join(kModelKinds, ", ")); }

@@ -4,6 +4,8 @@
 #include <optional>
 #include <string>
 
+#include <rths/cases/case.hpp>
+
 namespace rths::diagnosis {
 
 /// The error in a role or in its SI unit, as a message; nothing if both are right.
@@ -12,7 +14,7 @@ namespace rths::diagnosis {
 
 /// The kind of model with this spelling; hyphens and blanks stand for underscores. Nothing:
 /// unknown.
-[[nodiscard]] std::optional<std::string> model_kind(std::string spelling);
+[[nodiscard]] std::optional<ModelKind> model_kind(std::string spelling);
 /// All kinds of models, for messages: "bearing, platen, …".
 [[nodiscard]] std::string model_kinds();
 

@@ -104,9 +104,9 @@ bool has_accelerated(const VectorXd& motion, const Visited& limit, double time_s
 }
 
 // Makes records like those of a problem, with other motions.
-class Laboratory {
+class DesignSpace {
  public:
-  explicit Laboratory(const Problem& problem)
+  explicit DesignSpace(const Problem& problem)
       : problem_{problem}, like_{problem.record(0)}, drivers_{problem.relation().drivers()} {
     if (drivers_.empty()) return;
     for (const auto& driver : drivers_) {
@@ -370,7 +370,7 @@ class Laboratory {
 }  // namespace
 
 std::vector<Design> designs_for(const Problem& problem, bool is_removable) {
-  return Laboratory{problem}.designs(is_removable);
+  return DesignSpace{problem}.designs(is_removable);
 }
 
 }  // namespace rths::diagnosis

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/identification/constants.hpp>
+#include <rths/sim/term.hpp>
 
 #include "designs.hpp"
 #include "separation.hpp"
@@ -55,7 +56,7 @@ bool is_removable(const RelationFindings& found, bool is_bearing) {
   if (!predicts_force(found)) return false;
   const auto& terms = found.relation->base().terms;
   return is_bearing || std::any_of(terms.begin(), terms.end(), [](const ModelTerm& term) {
-           return term.settings.kind == "platen_inertia";
+           return sim::has_trait(term.settings.kind, sim::kInertial);
          });
 }
 

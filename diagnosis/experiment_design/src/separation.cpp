@@ -52,7 +52,7 @@ VectorXd scales(const Hypothesis& hypothesis) {
 }
 
 // One Gauss-Newton step on both folds, because a rival was fitted to one fold only.
-Hypothesis settled(const RelationFindings& found, Hypothesis hypothesis, Rows& rows) {
+Hypothesis settled(const RelationFindings& found, Hypothesis hypothesis, PredictedRows& rows) {
   const Fold& both = found.folds.both;
   TestedHypothesis tested{*found.problem, std::move(hypothesis)};
   Hypothesis result = tested.hypothesis();

@@ -19,7 +19,7 @@ struct Tests {
 };
 
 /// Whitened residuals and their derivatives with respect to parameters divided by their scales.
-struct Rows {
+struct PredictedRows {
   Eigen::VectorXd residual;
   Eigen::MatrixXd jacobian;
 };
@@ -31,7 +31,7 @@ class Side {
   /// @param tests  must outlive this object
   Side(const RelationFindings& found, const Tests& tests, Hypothesis hypothesis);
 
-  [[nodiscard]] const Rows& records() const { return records_; }
+  [[nodiscard]] const PredictedRows& records() const { return records_; }
   /// Whitened residual of a test; empty if there is no prediction.
   [[nodiscard]] const Eigen::VectorXd& residual(std::size_t test);
   [[nodiscard]] const Eigen::MatrixXd& jacobian(std::size_t test);
@@ -39,7 +39,7 @@ class Side {
  private:
   [[nodiscard]] const TestedHypothesis& on(std::size_t test) const;
 
-  Rows records_;
+  PredictedRows records_;
   Hypothesis hypothesis_;
   const Tests* tests_;
   TestedHypothesis whole_, empty_;  ///< with the specimen and without it

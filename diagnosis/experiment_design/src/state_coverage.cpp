@@ -17,10 +17,10 @@ using Eigen::VectorXd;
 constexpr Index kCells = 12;  // along a state
 
 // A state that a test can choose.
-enum class State { Displacement, Velocity, OtherDisplacement, OtherVelocity, Load, Control };
+enum class CoveredState { Displacement, Velocity, OtherDisplacement, OtherVelocity, Load, Control };
 
 struct Dependence {
-  std::vector<State> states;
+  std::vector<CoveredState> states;
   std::string name;
 };
 
@@ -30,7 +30,7 @@ bool holds(const std::string& text, const char* phrase) {
 
 // States on which a form depends; none: on time alone, or on a state that no test can choose.
 Dependence dependence_of(const std::string& form) {
-  using enum State;
+  using enum CoveredState;
   if (holds(form, "u of the other")) return {{OtherDisplacement}, "the other axis' displacement"};
   if (holds(form, "v of the other")) return {{OtherVelocity}, "the other axis' velocity"};
   if (holds(form, "v_long")) return {{Velocity, OtherVelocity}, "the velocities of both axes"};
@@ -57,21 +57,21 @@ class States {
       velocity_.col(i) = rate_of(displacement_.col(i), drive_.time_step);
   }
 
-  [[nodiscard]] VectorXd operator[](State state) const {
+  [[nodiscard]] VectorXd operator[](CoveredState state) const {
     const Index other = displacement_.cols() - 1;
     if (displacement_.size() == 0) return {};
     switch (state) {
-      case State::Displacement:
+      case CoveredState::Displacement:
         return displacement_.col(0);
-      case State::Velocity:
+      case CoveredState::Velocity:
         return velocity_.col(0);
-      case State::OtherDisplacement:
+      case CoveredState::OtherDisplacement:
         return displacement_.col(other);
-      case State::OtherVelocity:
+      case CoveredState::OtherVelocity:
         return velocity_.col(other);
-      case State::Load:
+      case CoveredState::Load:
         return named("axial load");
-      case State::Control:
+      case CoveredState::Control:
         break;
     }
     return named("auxiliary.");
@@ -88,7 +88,7 @@ class States {
   MatrixXd displacement_, velocity_;
 };
 
-struct Range {
+struct StateRange {
   double low = 1e300, high = -1e300;
 
   void widen(const VectorXd& values) {
@@ -103,11 +103,11 @@ struct Range {
 };
 
 // Entropy of the time spent in the cells of some states, divided by its maximum.
-double evenness(const States& states, const Dependence& on, const std::vector<Range>& ranges) {
+double evenness(const States& states, const Dependence& on, const std::vector<StateRange>& ranges) {
   std::vector<double> cells(static_cast<std::size_t>(
       std::pow(static_cast<double>(kCells), static_cast<double>(on.states.size()))));
   std::vector<VectorXd> values;
-  for (const State state : on.states) values.push_back(states[state]);
+  for (const CoveredState state : on.states) values.push_back(states[state]);
   const Index rows = values[0].size();
   if (rows == 0) return 0;
   for (Index row = 0; row < rows; ++row) {
@@ -131,7 +131,7 @@ std::optional<Widest> widest(const Problem& records, const Problem& tests, const
   const Drive& first = records.drive(0);
   const bool are_outputs =
       first.displacement.size() == first.measured.size() && first.displacement == first.measured;
-  std::vector<Range> ranges(on.states.size());
+  std::vector<StateRange> ranges(on.states.size());
   for (std::size_t i = 0; i < records.records(); ++i) {
     const States states{records, named, i, false};
     for (std::size_t k = 0; k < ranges.size(); ++k) ranges[k].widen(states[on.states[k]]);

@@ -37,14 +37,14 @@ struct Hats {
 };
 
 // Arguments of forms, divided by their peaks over all records.
-struct Signals {
+struct StateSignals {
   VectorXd u, v, other_u, other_v, path, time, load, control;
 };
 
 struct Form {
   std::string name;
   std::string abscissa;  // u, v, path, t, N or I of the curve; empty: no curve
-  std::function<MatrixXd(const Signals&)> design;
+  std::function<MatrixXd(const StateSignals&)> design;
   bool is_friction = false;  // the design holds the curve twice, see friction()
 };
 
@@ -66,7 +66,7 @@ VectorXd direction_of(const VectorXd& u) {
 // A friction of some size, which turns at once and after presliding: together any presliding
 // between them. Both are the same while the friction slides, so that the size is the sum of their
 // weights.
-MatrixXd friction(const Signals& s, const MatrixXd& size) {
+MatrixXd friction(const StateSignals& s, const MatrixXd& size) {
   MatrixXd both(size.rows(), 2 * size.cols());
   both << sign_of(s.v).asDiagonal() * size, direction_of(s.u).asDiagonal() * size;
   return both;
@@ -82,44 +82,48 @@ MatrixXd surface(const MatrixXd& a, const MatrixXd& b) {
 }
 
 // Curves over a state, and friction, viscosity and stiffness with a factor that depends on it.
-void add_state(const std::string& symbol, VectorXd Signals::*state, std::vector<Form>& all) {
+void add_state(const std::string& symbol, VectorXd StateSignals::*state, std::vector<Form>& all) {
   const Hats range{0, 1, 9};
-  all.push_back({"f(" + symbol + ")", symbol, [=](const Signals& s) { return range(s.*state); }});
+  all.push_back(
+      {"f(" + symbol + ")", symbol, [=](const StateSignals& s) { return range(s.*state); }});
   all.push_back({"sgn(v) g(" + symbol + ")", symbol,
-                 [=](const Signals& s) { return friction(s, range(s.*state)); }, true});
-  all.push_back({"v g(" + symbol + ")", symbol,
-                 [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * range(s.*state); }});
-  all.push_back({"u g(" + symbol + ")", symbol,
-                 [=](const Signals& s) -> MatrixXd { return s.u.asDiagonal() * range(s.*state); }});
+                 [=](const StateSignals& s) { return friction(s, range(s.*state)); }, true});
+  all.push_back({"v g(" + symbol + ")", symbol, [=](const StateSignals& s) -> MatrixXd {
+                   return s.v.asDiagonal() * range(s.*state);
+                 }});
+  all.push_back({"u g(" + symbol + ")", symbol, [=](const StateSignals& s) -> MatrixXd {
+                   return s.u.asDiagonal() * range(s.*state);
+                 }});
 }
 
 std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
   const Hats coarse{-1, 1, 14}, fine{-1, 1, 100}, middle{-1, 1, 41};
   const Hats speed{-kBentReach, kBentReach, 19};
   std::vector<Form> all{
-      {"f(u)", "u", [=](const Signals& s) { return coarse(s.u); }},
-      {"periodic in displacement", "u", [=](const Signals& s) { return fine(s.u); }},
-      {"f(v)", "v", [=](const Signals& s) { return speed(bent(s.v)); }},
-      {"sgn(v) g(u)", "u", [=](const Signals& s) { return friction(s, middle(s.u)); }, true},
-      {"v g(u)", "u", [=](const Signals& s) -> MatrixXd { return s.v.asDiagonal() * coarse(s.u); }},
-      {"g(u, v)", "", [](const Signals& s) {
+      {"f(u)", "u", [=](const StateSignals& s) { return coarse(s.u); }},
+      {"periodic in displacement", "u", [=](const StateSignals& s) { return fine(s.u); }},
+      {"f(v)", "v", [=](const StateSignals& s) { return speed(bent(s.v)); }},
+      {"sgn(v) g(u)", "u", [=](const StateSignals& s) { return friction(s, middle(s.u)); }, true},
+      {"v g(u)", "u",
+       [=](const StateSignals& s) -> MatrixXd { return s.v.asDiagonal() * coarse(s.u); }},
+      {"g(u, v)", "", [](const StateSignals& s) {
          return surface(Hats{-1, 1, 9}(s.u), Hats{-kBentReach, kBentReach, 9}(bent(s.v)));
        }}};
-  add_state("path", &Signals::path, all);
-  add_state("t", &Signals::time, all);
-  if (has_load) add_state("N", &Signals::load, all);
-  if (has_control) add_state("I", &Signals::control, all);
+  add_state("path", &StateSignals::path, all);
+  add_state("t", &StateSignals::time, all);
+  if (has_load) add_state("N", &StateSignals::load, all);
+  if (has_control) add_state("I", &StateSignals::control, all);
   if (has_other) {
     all.push_back(
-        {"f(u of the other axis)", "", [=](const Signals& s) { return coarse(s.other_u); }});
-    all.push_back(
-        {"f(v of the other axis)", "", [=](const Signals& s) { return speed(bent(s.other_v)); }});
-    all.push_back({"f(v_long v_lat)", "", [=](const Signals& s) {
+        {"f(u of the other axis)", "", [=](const StateSignals& s) { return coarse(s.other_u); }});
+    all.push_back({"f(v of the other axis)", "",
+                   [=](const StateSignals& s) { return speed(bent(s.other_v)); }});
+    all.push_back({"f(v_long v_lat)", "", [=](const StateSignals& s) {
                      return Hats{-1, 1, 21}(
                          (s.v.cwiseProduct(s.other_v).array() / kBentSpeed).asinh().matrix() /
                          kBentReach);
                    }});
-    all.push_back({"f(u_long, u_lat)", "", [](const Signals& s) {
+    all.push_back({"f(u_long, u_lat)", "", [](const StateSignals& s) {
                      return surface(Hats{-1, 1, 9}(s.u), Hats{-1, 1, 9}(s.other_u));
                    }});
   }
@@ -218,14 +222,14 @@ class ResidualView {
     const Problem& problem = tested_.problem();
     const Drive& drive = problem.drive(share.record);
     const Index other = drive.measured.cols() > 1 ? 1 - output : output;
-    Signals signals{drive.displacement.col(output) / u_,
-                    drive.velocity.col(output) / v_,
-                    drive.displacement.col(other) / u_,
-                    drive.velocity.col(other) / v_,
-                    path_(path_of(drive)),
-                    time_(time_of(drive)),
-                    {},
-                    {}};
+    StateSignals signals{drive.displacement.col(output) / u_,
+                         drive.velocity.col(output) / v_,
+                         drive.displacement.col(other) / u_,
+                         drive.velocity.col(other) / v_,
+                         path_(path_of(drive)),
+                         time_(time_of(drive)),
+                         {},
+                         {}};
     for (const auto& [name, values] : drive.states) {
       if (is_load(name)) signals.load = load_(values);
       if (is_control(name)) signals.control = control_(values);

@@ -47,7 +47,7 @@ Index longest_hold(Index rows) {
                     kMostHoldRows);
 }
 
-struct Hold {
+struct HeldPiece {
   Index begin, end;  // rows that repeat the one before `begin`
 };
 
@@ -55,8 +55,8 @@ struct Hold {
 // largest total gain in log-likelihood over a measurement that moves as predicted. The means of the
 // pieces do not count, so that a delay or an offset is no hold.
 // @param price  of a hold [nat]   @param first  row that is compared
-std::vector<Hold> holds_of(const VectorXd& measured, const VectorXd& prediction,
-                           const VectorXd& deviation, double price, Index first) {
+std::vector<HeldPiece> holds_of(const VectorXd& measured, const VectorXd& prediction,
+                                const VectorXd& deviation, double price, Index first) {
   const Scatter held{measured, deviation}, moving{measured - prediction, deviation};
   const Index rows = measured.size();
   const Index longest = longest_hold(rows);
@@ -75,7 +75,7 @@ std::vector<Hold> holds_of(const VectorXd& measured, const VectorXd& prediction,
       begin[static_cast<std::size_t>(end)] = from;
     }
   }
-  std::vector<Hold> holds;
+  std::vector<HeldPiece> holds;
   for (Index end = rows; end > 0;) {
     const Index from = begin[static_cast<std::size_t>(end)];
     if (from >= 0) holds.push_back({from, end});
@@ -85,7 +85,7 @@ std::vector<Hold> holds_of(const VectorXd& measured, const VectorXd& prediction,
 }
 
 // Whether holds end in jumps of the prediction. Those of a signal that saturates or sticks do not.
-bool end_in_jumps(const std::vector<Hold>& holds, const VectorXd& prediction) {
+bool end_in_jumps(const std::vector<HeldPiece>& holds, const VectorXd& prediction) {
   double last = 0, largest = 0;
   for (const auto& [begin, end] : holds) {
     const VectorXd change = prediction.segment(begin, end - begin).array() - prediction[begin - 1];
@@ -96,7 +96,7 @@ bool end_in_jumps(const std::vector<Hold>& holds, const VectorXd& prediction) {
 }
 
 // The signal without the rows of the holds and their edges, which a filter smears.
-VectorXd outside(const std::vector<Hold>& holds, VectorXd signal) {
+VectorXd outside(const std::vector<HeldPiece>& holds, VectorXd signal) {
   for (const auto& [begin, end] : holds) {
     const Index from = std::max<Index>(0, begin - kHoldEdge);
     signal.segment(from, std::min(signal.size(), end + kHoldEdge) - from).setZero();
@@ -105,7 +105,7 @@ VectorXd outside(const std::vector<Hold>& holds, VectorXd signal) {
 }
 
 // Energy of the whitened residual in holds, beyond the mean energy of as many rows outside.
-double energy_in(const std::vector<Hold>& holds, const VectorXd& residual,
+double energy_in(const std::vector<HeldPiece>& holds, const VectorXd& residual,
                  const ResidualNoise& noise, Index output) {
   const auto rows = static_cast<double>(residual.size());
   const double rows_outside = outside(holds, VectorXd::Ones(residual.size())).sum();

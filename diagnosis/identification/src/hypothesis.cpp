@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include <rths/sim/term.hpp>
+
 namespace rths::diagnosis {
 
 std::string name_of(Part part) {
@@ -36,6 +38,11 @@ std::vector<Eigen::Index> all_of(const Hypothesis& hypothesis) {
 
 bool is_same(const Candidate& one, const Candidate& other) {
   return one.name == other.name && one.channel == other.channel;
+}
+
+bool is_offset_of_sensor(const Candidate& candidate) {
+  return candidate.part == Part::Sensor && !candidate.kind.empty() &&
+         sim::has_trait(candidate.kind, sim::kConstant);
 }
 
 bool depends_on(const Candidate& candidate, const Candidate& other) {

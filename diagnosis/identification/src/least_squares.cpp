@@ -37,7 +37,7 @@ VectorXd scale_within_bounds(const FitProblem& p) {
 }
 
 // A point of the fit, in parameters divided by their scales.
-struct Point {
+struct FitPoint {
   VectorXd x, residual;
   MatrixXd jacobian;
   double cost = 0;  // half the sum of squares
@@ -61,7 +61,7 @@ class Minimiser {
     const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
     const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-      Point next;
+      FitPoint next;
       next.x = at_.x + best_step(gradient, H);
       const VectorXd way = next.x - at_.x;
       const double predicted = -(gradient.dot(way) + 0.5 * way.dot(H * way));
@@ -91,7 +91,7 @@ class Minimiser {
   }
 
  private:
-  [[nodiscard]] VectorXd parameters(const Point& point) const {
+  [[nodiscard]] VectorXd parameters(const FitPoint& point) const {
     return point.x.cwiseProduct(scale_).cwiseMax(problem_.low).cwiseMin(problem_.high);
   }
 
@@ -101,7 +101,7 @@ class Minimiser {
     return has_slopes_;
   }
 
-  bool evaluate(Point& point, bool wants_jacobian) const {
+  bool evaluate(FitPoint& point, bool wants_jacobian) const {
     stop_if_interrupted();
     if (!problem_.residuals(parameters(point), point.residual,
                             wants_jacobian ? &point.jacobian : nullptr))
@@ -158,7 +158,7 @@ class Minimiser {
 
   const FitProblem& problem_;
   VectorXd scale_, low_, high_;
-  Point at_;
+  FitPoint at_;
   bool has_slopes_ = false;
   double damping_ = kFirstDamping, gain_ = 0;
 };

@@ -22,13 +22,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Whitened residual of a share of a fold, rows × outputs; zero where the share has no weight.
-struct Rows {
+struct OutputRows {
   const ResidualNoise& noise;
   double time_step;
   ArrayXd weight;
   MatrixXd residual;
 
-  Rows(const TestedHypothesis& tested, const Fold::Share& share)
+  OutputRows(const TestedHypothesis& tested, const Fold::Share& share)
       : noise{tested.problem().noise(share.record)},
         time_step{tested.problem().drive(share.record).time_step},
         residual{tested.whitened(share.record)} {
@@ -49,15 +49,16 @@ struct Rows {
   }
 };
 
-std::vector<Rows> rows_of(const TestedHypothesis& tested, const Fold& fold) {
-  std::vector<Rows> all;
+std::vector<OutputRows> rows_of(const TestedHypothesis& tested, const Fold& fold) {
+  std::vector<OutputRows> all;
   for (const auto& share : fold.shares) all.emplace_back(tested, share);
   return all;
 }
 
 // Sum over records and outputs of `energy(waves, residual)`, each with its own sine.
 template <class Energy>
-double sum_over_outputs(const std::vector<Rows>& all, double frequency, const Energy& energy) {
+double sum_over_outputs(const std::vector<OutputRows>& all, double frequency,
+                        const Energy& energy) {
   double sum = 0;
   for (const auto& rows : all)
     for (Index output = 0; output < rows.residual.cols(); ++output)
@@ -66,7 +67,7 @@ double sum_over_outputs(const std::vector<Rows>& all, double frequency, const En
 }
 
 // Energy that sines of a frequency explain.
-double explained(const std::vector<Rows>& all, double frequency) {
+double explained(const std::vector<OutputRows>& all, double frequency) {
   return sum_over_outputs(all, frequency, [](const MatrixXd& waves, const VectorXd& w) {
     return w.squaredNorm() - (w - waves * maths::solve_least_squares(waves, w)).squaredNorm();
   });
@@ -74,7 +75,7 @@ double explained(const std::vector<Rows>& all, double frequency) {
 
 // Energy that sines explain in the other half of the record to which they were fitted. A sine goes
 // on with its phase; a resonance under random forces loses it.
-double continued(const std::vector<Rows>& all, double frequency) {
+double continued(const std::vector<OutputRows>& all, double frequency) {
   return sum_over_outputs(all, frequency, [](const MatrixXd& waves, const VectorXd& w) {
     const Index half = w.size() / 2, rest = w.size() - half;
     const MatrixXd early = waves.topRows(half), late = waves.bottomRows(rest);
@@ -86,7 +87,7 @@ double continued(const std::vector<Rows>& all, double frequency) {
 }
 
 // Highest line of the summed periodograms.
-double highest_line(const std::vector<Rows>& all) {
+double highest_line(const std::vector<OutputRows>& all) {
   Index longest = 0;
   for (const auto& rows : all) longest = std::max(longest, rows.residual.rows());
   const Index length = maths::fast_length(kZeroPadding * longest);
@@ -106,7 +107,7 @@ double highest_line(const std::vector<Rows>& all) {
 }
 
 // The frequency near a line at which sines explain most.
-double refined(const std::vector<Rows>& all, double line) {
+double refined(const std::vector<OutputRows>& all, double line) {
   double at = line, best = explained(all, line);
   for (double step = 1 / (kZeroPadding * all[0].duration()); step * all[0].duration() > 1e-3;
        step /= 2)

@@ -17,8 +17,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // Of problems that report to nobody.
-Progress& no_progress() {
-  thread_local Progress progress;
+DiagnosisProgress& no_progress() {
+  thread_local DiagnosisProgress progress;
   return progress;
 }
 

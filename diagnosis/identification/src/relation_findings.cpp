@@ -44,7 +44,7 @@ void renew_ties(RelationFindings& found) {
 }
 
 // The proof of the named model on the held-out records, and the form of what remains.
-void prove(RelationFindings& found, Progress& progress) {
+void prove(RelationFindings& found, DiagnosisProgress& progress) {
   progress.begin_stage("proof");
   if (found.held_out) found.held_out->renew_noise(found.selection.named);
   found.proof = found.held_out ? proof_of(*found.held_out, found.selection, true)
@@ -58,7 +58,7 @@ void prove(RelationFindings& found, Progress& progress) {
 
 // An unknown effect resembles terms of the catalogue in part. Those that leave more than half of
 // the residual, in the mean of the fit and the proof, are no causes.
-void withdraw_resemblances(RelationFindings& found, Progress& progress) {
+void withdraw_resemblances(RelationFindings& found, DiagnosisProgress& progress) {
   if (!found.is_named() || !found.is_unknown()) return;
   if (found.selection.explained() + found.proof.explained() >= 2 * kMostly) return;
   auto all = withdraw_all(*found.problem, found.folds, "most of the residual remains unknown",
@@ -91,7 +91,7 @@ bool RelationFindings::is_unknown() const {
 std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
                                           const std::vector<Record>& records,
                                           const SensorNoise& noise, std::uint64_t seed,
-                                          Progress& progress) {
+                                          DiagnosisProgress& progress) {
   auto found = std::make_unique<RelationFindings>();
   found->relation = std::move(relation);
   found->noise = &noise;

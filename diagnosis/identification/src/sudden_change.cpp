@@ -19,7 +19,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 // The sudden change of one parameter that explains most of a residual.
-struct Change {
+struct ParameterChange {
   double explained = 0;  // energy
   double time = 0;       // [s]
 };
@@ -33,9 +33,10 @@ VectorXd from_row(const MatrixXd& jacobian, Index column, Index cut, const Drive
 }
 
 // Tries 40 times of change on one record. Sets `parameter` to the name of the best one's parameter.
-Change best_change(const VectorXd& w, const MatrixXd& J, const Complement& complement,
-                   const Drive& drive, const Hypothesis& hypothesis, std::string& parameter) {
-  Change best;
+ParameterChange best_change(const VectorXd& w, const MatrixXd& J, const Complement& complement,
+                            const Drive& drive, const Hypothesis& hypothesis,
+                            std::string& parameter) {
+  ParameterChange best;
   for (int k = 0; k < 40; ++k) {
     const auto cut = static_cast<Index>((0.12 + 0.0165 * k) * static_cast<double>(drive.rows()));
     for (Index j = 0; j < J.cols(); ++j) {
@@ -67,7 +68,7 @@ void find_change(const TestedHypothesis& tested, const Folds& folds,
     if (!tested.evaluate(one, hypothesis.values, all, w, J)) return;
     const Complement complement{J};
     complement.take_out(w);
-    const Change best =
+    const ParameterChange best =
         best_change(w, J, complement, tested.problem().drive(share.record), hypothesis, parameter);
     gain += best.explained;
     excess += w.squaredNorm() - observations(tested.problem(), one);

@@ -31,8 +31,7 @@ std::vector<std::string> names_of_library() {
 
 // Adds the errors that parameters of a user's own model may have.
 void add_names_of_model(const Case& c, std::vector<std::string>& names) {
-  for (const char* kind : {"bearing", "platen", "servo_axis"})
-    if (c.model.kind == kind) return;
+  if (is_composition(c.model.kind)) return;
   const auto relation = dynamic_relation(c);
   for (const auto& candidate : relation->candidates(relation->base()))
     names.push_back(candidate.name);

@@ -16,7 +16,7 @@ constexpr unsigned kAlong = 0b01;
 sim::TermSettings on_one_axis(sim::TermSettings term) {
   const sim::TermKind& kind = sim::term_kind(term.kind);
   if ((kind.traits & sim::kPerAxis) != 0) term.axes = kAlong;
-  term.channel = sim::Channel::Force;
+  term.channel = sim::SensorChannel::Force;
   return term;
 }
 

@@ -14,7 +14,7 @@ struct CompositionSetup {
   std::string name;  ///< "motion to force"
   Part part = Part::Bearing;
   MotionChannels channels;
-  Pace pace;
+  SampleRates pace;
   std::vector<std::size_t> axes;  ///< predicted: 0 long, 1 lat
   bool has_free_offsets = false;
   Hypothesis base;

@@ -52,9 +52,7 @@ void load_between(const MotionDrive& drive, Index step, double share, sim::Quant
 }
 
 // A specimen behind a spring is solved step by step, with its force of the step before.
-bool is_mount(const ModelTerm& term) {
-  return term.settings.kind == "support_flexibility" || term.settings.kind == "mount_slack";
-}
+bool is_mount(const ModelTerm& term) { return sim::has_trait(term.settings.kind, sim::kMount); }
 
 bool is_vertical(const ModelTerm& term) {
   return sim::term_kind(term.settings.kind).stage == sim::Stage::Vertical;

@@ -34,7 +34,7 @@ std::vector<std::string> drivers_of(const std::string& output, const Record& rec
 }
 
 // A term added to a prediction.
-struct AddedTerm {
+struct AddedToOutput {
   Index output;
   Index displacement, velocity, acceleration;  // indices of the linear system's inputs
 };
@@ -47,7 +47,7 @@ class DataReader {
   }
 
   DynamicModel model;
-  std::vector<AddedTerm> added;
+  std::vector<AddedToOutput> added;
 
  private:
   void add(const std::string& output) {
@@ -115,7 +115,7 @@ DynamicModel read_data(const Config& table, const Record& record) {
     LinearSystem system = LinearSystem::zeros(0, inputs, outputs, static_cast<Index>(added.size()));
     system.d.leftCols(outputs).setIdentity();
     for (Index i = 0; i < static_cast<Index>(added.size()); ++i) {
-      const AddedTerm& term = added[static_cast<std::size_t>(i)];
+      const AddedToOutput& term = added[static_cast<std::size_t>(i)];
       system.q(i, term.displacement) = 1;
       system.s(i, term.velocity) = 1;
       system.t(i, term.acceleration) = 1;

@@ -32,7 +32,7 @@ bool is_free(const Config& table) {
 
 std::vector<ModelTerm> read_model_terms(const Config& table, const std::string& component) {
   std::vector<ModelTerm> terms;
-  for (auto& term : sim::read_terms(table, sim::TermOwner::Any, sim::Bounds::None))
+  for (auto& term : sim::read_terms(table, sim::TermOwner::Any, sim::ParameterBounds::None))
     terms.push_back({std::move(term), component});
   return terms;
 }
@@ -56,8 +56,8 @@ void read_common(const Config& table, DynamicModel& model) {
   finish(table);
 }
 
-std::vector<Assignment> read_assignments(const Config& table) {
-  std::vector<Assignment> assignments;
+std::vector<RoleAssignment> read_assignments(const Config& table) {
+  std::vector<RoleAssignment> assignments;
   for (const auto& key : table.keys()) {
     std::istringstream text{table.text(key)};
     assignments.push_back({key, {}});

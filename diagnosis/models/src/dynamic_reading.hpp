@@ -19,12 +19,12 @@ void read_common(const Config& table, DynamicModel& model);
                                                       const std::string& component);
 
 /// A key and its text, "output.y" = "displacement.1".
-struct Assignment {
+struct RoleAssignment {
   std::string key;
   std::vector<std::string> words;  ///< of the text, between dots
 };
 /// All of [model.inputs] or [model.outputs]. @throws Error if the table is missing or empty
-[[nodiscard]] std::vector<Assignment> read_assignments(const Config& table);
+[[nodiscard]] std::vector<RoleAssignment> read_assignments(const Config& table);
 
 /// Reads the text at `key` as a number from 1 to `most`; returns an index from 0.
 /// @param name  of the numbered object, for messages

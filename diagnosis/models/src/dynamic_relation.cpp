@@ -31,13 +31,19 @@ std::vector<const Record*> records_to_fit(const Case& c) {
 }
 
 DynamicModel read_stated(const Case& c) {
-  if (c.model.kind == "mass_spring_damper" || c.model.kind == "mass-spring-damper")
-    return read_mass_spring_damper(c.model.table);
-  if (c.model.kind == "structure") return read_structure(c.model.table);
-  if (c.model.kind == "linear") return read_linear(c.model.table);
-  if (c.model.kind == "data") return read_data(c.model.table, *records_to_fit(c).front());
-  throw Error{
-      fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name, c.model.kind)};
+  switch (c.model.kind) {
+    case ModelKind::MassSpringDamper:
+      return read_mass_spring_damper(c.model.table);
+    case ModelKind::Structure:
+      return read_structure(c.model.table);
+    case ModelKind::Linear:
+      return read_linear(c.model.table);
+    case ModelKind::Data:
+      return read_data(c.model.table, *records_to_fit(c).front());
+    default:
+      throw Error{fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name,
+                              name_of(c.model.kind))};
+  }
 }
 
 // [model.values]: values of parameters by name, which replace those stated elsewhere.
@@ -61,12 +67,12 @@ DynamicModel read_model(const Case& c) {
   return model;
 }
 
-struct Freed {
+struct FreedParameter {
   FreeParameter parameter;
   double value;
 };
 
-Freed freed_of_model(const ModelParameter& parameter, const FittedParameter& fitted) {
+FreedParameter freed_of_model(const ModelParameter& parameter, const FittedParameter& fitted) {
   const double value = parameter.value;
   if (value == 0 && !fitted.bounds)
     throw Error{
@@ -76,8 +82,8 @@ Freed freed_of_model(const ModelParameter& parameter, const FittedParameter& fit
           value};
 }
 
-Freed freed_of_term(const sim::TermSettings& term, const std::string& name,
-                    const FittedParameter& fitted) {
+FreedParameter freed_of_term(const sim::TermSettings& term, const std::string& name,
+                             const FittedParameter& fitted) {
   const sim::Parameter& parameter = parameter_of(sim::term_kind(term.kind), name);
   double value = parameter.absent;
   for (const auto& [key, stated] : term.parameters)
@@ -85,10 +91,12 @@ Freed freed_of_term(const sim::TermSettings& term, const std::string& name,
   return {free_parameter(fitted.name, parameter, {}, 0.1 * std::abs(value)), value};
 }
 
-Freed freed(const DynamicModel& model, const Hypothesis& base, const FittedParameter& fitted) {
+FreedParameter freed(const DynamicModel& model, const Hypothesis& base,
+                     const FittedParameter& fitted) {
   const auto at = find_parameter(model, base.terms, fitted.name);
-  Freed result = at.of_model ? freed_of_model(model.parameters[*at.of_model], fitted)
-                             : freed_of_term(base.terms[at.term].settings, at.parameter, fitted);
+  FreedParameter result = at.of_model
+                              ? freed_of_model(model.parameters[*at.of_model], fitted)
+                              : freed_of_term(base.terms[at.term].settings, at.parameter, fitted);
   auto& [parameter, value] = result;
   if (fitted.bounds) std::tie(parameter.low, parameter.high) = *fitted.bounds;
   if (!(value >= parameter.low && value <= parameter.high))
@@ -99,7 +107,7 @@ Freed freed(const DynamicModel& model, const Hypothesis& base, const FittedParam
 }
 
 // An output whose sensor overflows.
-struct Overflow {
+struct OverflowingChannel {
   Index output;
   double limit;               // unless it is free [SI]
   std::optional<Index> free;  // free parameter that holds the limit
@@ -110,7 +118,7 @@ struct Overflow {
 // stays small where a reading jumps, so that fits converge.
 class NearestReading final : public Simulator {
  public:
-  NearestReading(std::unique_ptr<Simulator> simulator, std::vector<Overflow> overflows,
+  NearestReading(std::unique_ptr<Simulator> simulator, std::vector<OverflowingChannel> overflows,
                  const Eigen::MatrixXd& measured)
       : simulator_{std::move(simulator)}, overflows_{std::move(overflows)}, measured_{measured} {}
 
@@ -130,7 +138,7 @@ class NearestReading final : public Simulator {
 
  private:
   std::unique_ptr<Simulator> simulator_;
-  std::vector<Overflow> overflows_;
+  std::vector<OverflowingChannel> overflows_;
   const Eigen::MatrixXd& measured_;  // rows × outputs
 };
 
@@ -143,12 +151,13 @@ class DynamicRelation : public Relation {
       outputs_.emplace_back(role, channel_of(*records_.front(), role).unit);
     base_.terms = model_.terms;
     // Rounding is known: it is part of the noise.
-    std::erase_if(base_.terms,
-                  [](const ModelTerm& term) { return term.settings.kind == "quantisation"; });
+    std::erase_if(base_.terms, [](const ModelTerm& term) {
+      return sim::has_trait(term.settings.kind, sim::kRounds);
+    });
     for (const auto& fitted : c.model.fitted) {
       // Offsets of outputs differ from record to record: each record's offset is removed.
       if (take_offset(fitted.name)) continue;
-      const Freed one =
+      const FreedParameter one =
           c.model.table.placed("fitted", [&] { return freed(model_, base_, fitted); });
       base_.free.push_back(one.parameter);
       base_.values.conservativeResize(base_.values.size() + 1);
@@ -167,8 +176,7 @@ class DynamicRelation : public Relation {
   std::vector<Candidate> candidates(const Hypothesis& model) const override {
     auto candidates = dynamic_candidates(model_, sizes_, model);
     std::erase_if(candidates, [&](const Candidate& candidate) {
-      if (has_free_offsets_ && candidate.kind == "offset" && candidate.part == Part::Sensor)
-        return true;
+      if (has_free_offsets_ && is_offset_of_sensor(candidate)) return true;
       return std::any_of(without_.begin(), without_.end(), [&](const std::string& name) {
         return name == candidate.name || name == candidate.kind;
       });
@@ -210,8 +218,9 @@ class DynamicRelation : public Relation {
     // A converter overflows after all other effects on its signal, in whatever order they were
     // found.
     Hypothesis ordered = hypothesis;
-    std::stable_partition(ordered.terms.begin(), ordered.terms.end(),
-                          [](const ModelTerm& term) { return term.settings.kind != "overflow"; });
+    std::stable_partition(ordered.terms.begin(), ordered.terms.end(), [](const ModelTerm& term) {
+      return !sim::has_trait(term.settings.kind, sim::kOverflows);
+    });
     auto simulator =
         std::make_unique<DynamicSimulator>(model_, ordered, &sizes_, drive.time_step,
                                            dynamic_cast<const DynamicDrive&>(drive).signals);
@@ -222,14 +231,14 @@ class DynamicRelation : public Relation {
   }
 
  private:
-  std::vector<Overflow> overflows_of(const Hypothesis& hypothesis) const {
-    std::vector<Overflow> overflows;
+  std::vector<OverflowingChannel> overflows_of(const Hypothesis& hypothesis) const {
+    std::vector<OverflowingChannel> overflows;
     for (std::size_t i = 0; i < hypothesis.terms.size(); ++i) {
       const auto& [settings, component] = hypothesis.terms[i];
       const auto role = std::find(model_.outputs.begin(), model_.outputs.end(), component);
-      if (settings.kind != "overflow" || role == model_.outputs.end()) continue;
-      Overflow one{
-          role - model_.outputs.begin(), sim::term_kind("overflow").parameters[0].absent, {}};
+      if (!sim::has_trait(settings.kind, sim::kOverflows) || role == model_.outputs.end()) continue;
+      OverflowingChannel one{
+          role - model_.outputs.begin(), sim::term_kind(settings.kind).parameters[0].absent, {}};
       for (const auto& [key, value] : settings.parameters)
         if (key == "limit") one.limit = value;
       for (std::size_t k = 0; k < hypothesis.free.size(); ++k) {
@@ -247,7 +256,7 @@ class DynamicRelation : public Relation {
       const bool at_output = std::find(model_.outputs.begin(), model_.outputs.end(),
                                        term.component) != model_.outputs.end();
       const std::string own = term.settings.name + ".offset";
-      return at_output && term.settings.kind == "offset" &&
+      return at_output && sim::has_trait(term.settings.kind, sim::kConstant) &&
              (name == own || name == term.component + "." + own);
     };
     const bool found = std::erase_if(base_.terms, is_offset) > 0;

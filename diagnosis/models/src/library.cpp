@@ -35,9 +35,9 @@ bool holds(const Hypothesis& base, const Names& kinds) {
   });
 }
 
-sim::Channel channel_at(Place place) {
-  if (place == kOnActuator) return sim::Channel::Displacement;
-  return place == kOnAccelerometer ? sim::Channel::Acceleration : sim::Channel::Force;
+sim::SensorChannel channel_at(Place place) {
+  if (place == kOnActuator) return sim::SensorChannel::Displacement;
+  return place == kOnAccelerometer ? sim::SensorChannel::Acceleration : sim::SensorChannel::Force;
 }
 
 const char* channel_name(Place place) {

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 constexpr std::size_t kMostOrder = 20;
 
 // y = (b₀ sᵐ + … + bₘ) / (a₀ sⁿ + … + aₙ) u, its coefficients as parameters.
-struct Transfer {
+struct TransferFunction {
   std::size_t input = 0, output = 0;
   Index numerator = 0, denominator = 0;  // index of their first coefficient among the parameters
   Index zeros = 0, poles = 0;            // m, n
@@ -51,8 +51,9 @@ Index add_coefficients(const Config& table, const std::string& key, const std::s
   return first;
 }
 
-Transfer read_transfer(const Config& table, const std::string& prefix, DynamicModel& model) {
-  Transfer transfer;
+TransferFunction read_transfer(const Config& table, const std::string& prefix,
+                               DynamicModel& model) {
+  TransferFunction transfer;
   transfer.input = index_of(model.inputs, table.text("input"));
   transfer.output = index_of(model.outputs, table.text("output"));
   transfer.numerator = add_coefficients(table, "numerator", prefix, model);
@@ -72,7 +73,8 @@ Transfer read_transfer(const Config& table, const std::string& prefix, DynamicMo
 }
 
 // Controllable canonical form, from state `first` on.
-void put(const Transfer& transfer, const VectorXd& values, Index first, LinearSystem& system) {
+void put(const TransferFunction& transfer, const VectorXd& values, Index first,
+         LinearSystem& system) {
   const Index n = transfer.poles;
   const VectorXd a = values.segment(transfer.denominator, n + 1) / values[transfer.denominator];
   VectorXd b = VectorXd::Zero(n + 1);
@@ -92,7 +94,7 @@ void put(const Transfer& transfer, const VectorXd& values, Index first, LinearSy
 
 DynamicModel read_transfers(const Config& table) {
   DynamicModel model;
-  std::vector<Transfer> transfers;
+  std::vector<TransferFunction> transfers;
   const auto tables = table.tables("transfer");
   if (tables.empty()) transfers.push_back(read_transfer(table, "", model));
   for (const auto& one : tables) {

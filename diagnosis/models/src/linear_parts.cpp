@@ -16,13 +16,14 @@ using Eigen::VectorXd;
 // A connection for terms from an output to an input, as a spring connects a mass to the ground. The
 // terms act on the output and its rate; their force is subtracted from the input. An output with
 // direct feedthrough has no such connection.
-struct Feedback {
+struct SpringFeedback {
   Index output, input;
 };
 
 // The spring that a constant output needs: 1/G(0), which is aₙ/bₘ of a transfer function. 0 of a
 // system that does not rest at a constant input.
-double static_stiffness(const Feedback& feedback, bool is_sampled, const LinearSystem& system) {
+double static_stiffness(const SpringFeedback& feedback, bool is_sampled,
+                        const LinearSystem& system) {
   const Index n = system.a.rows();
   const MatrixXd rate = is_sampled ? MatrixXd{system.a - MatrixXd::Identity(n, n)} : system.a;
   const maths::MinimumNormSolver factors{rate};
@@ -32,7 +33,8 @@ double static_stiffness(const Feedback& feedback, bool is_sampled, const LinearS
   return gain != 0 ? 1 / gain : 0;
 }
 
-void connect(const std::vector<Feedback>& feedbacks, double sampled_every, LinearSystem& system) {
+void connect(const std::vector<SpringFeedback>& feedbacks, double sampled_every,
+             LinearSystem& system) {
   for (Index i = 0; i < static_cast<Index>(feedbacks.size()); ++i) {
     const auto& [output, input] = feedbacks[static_cast<std::size_t>(i)];
     const RowVectorXd c = system.c.row(output);
@@ -49,9 +51,9 @@ void connect(const std::vector<Feedback>& feedbacks, double sampled_every, Linea
   }
 }
 
-std::vector<Feedback> feedbacks_of(DynamicModel& model, const LinearSystem& system) {
+std::vector<SpringFeedback> feedbacks_of(DynamicModel& model, const LinearSystem& system) {
   constexpr std::size_t kMost = 4;
-  std::vector<Feedback> feedbacks;
+  std::vector<SpringFeedback> feedbacks;
   for (Index output = 0; output < system.c.rows(); ++output)
     for (Index input = 0; input < system.b.cols(); ++input) {
       const auto from = static_cast<std::size_t>(output), to = static_cast<std::size_t>(input);

@@ -73,7 +73,7 @@ VectorXd fused_motion(const Record& record, const VectorXd& displacement,
 // Filters and thins samples of the record to steps of the model.
 class Thinner {
  public:
-  Thinner(const Record& record, const Pace& pace)
+  Thinner(const Record& record, const SampleRates& pace)
       : step_{record.time_step},
         factor_{std::max(1, static_cast<int>(std::round(1 / (step_ * pace.model_rate))))},
         cutoff_{kModelCutoff / model_step()} {
@@ -183,7 +183,8 @@ MatrixXd MotionDrive::compared_columns(const MatrixXd& signals) const {
 }
 
 std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChannels& channels,
-                                          const std::vector<std::size_t>& axes, const Pace& pace) {
+                                          const std::vector<std::size_t>& axes,
+                                          const SampleRates& pace) {
   auto drive = std::make_unique<MotionDrive>();
   const Thinner thinner{record, pace};
   drive->model_step = thinner.model_step();

@@ -14,7 +14,7 @@ namespace rths::diagnosis {
 using Axes = std::array<Eigen::VectorXd, sim::kHorizontalAxes>;  ///< long, lat
 
 /// Rates at which a composition runs and is compared.
-struct Pace {
+struct SampleRates {
   double model_rate;    ///< at most [Hz]
   double cutoff;        ///< of the filter of prediction and measurement [Hz]
   double compare_rate;  ///< at most [Hz]
@@ -54,7 +54,7 @@ struct MotionChannels {
 [[nodiscard]] std::unique_ptr<MotionDrive> motion_drive(const Record& record,
                                                         const MotionChannels& channels,
                                                         const std::vector<std::size_t>& axes,
-                                                        const Pace& pace);
+                                                        const SampleRates& pace);
 
 /// Cutoff of a filter that removes from motions only what is noise, as intervals at rest show [Hz].
 /// 0: they do not show it, or the filter would remove nothing.

@@ -20,14 +20,14 @@ using sim::Stage;
 
 // Steps of 2 ms integrate hysteresis and dry friction with errors below a sensor's noise. What
 // moves the specimen above 90 Hz is noise.
-constexpr Pace kForcePace{500, 25, 62.5, 0, 90};
-constexpr Pace kActuatorPace{500, 45, 125};
+constexpr SampleRates kForcePace{500, 25, 62.5, 0, 90};
+constexpr SampleRates kActuatorPace{500, 45, 125};
 // Above a few hertz, an accelerometer measures an acceleration better than the displacement implies
 // it.
-constexpr Pace kAccelerometerPace{250, 5, 15.625};
+constexpr SampleRates kAccelerometerPace{250, 5, 15.625};
 
 // The rates that the case states; 2.5 rows per period at the cutoff of the filter.
-Pace pace_of(const Case& c, Pace usual) {
+SampleRates pace_of(const Case& c, SampleRates usual) {
   if (c.comparison.model_rate) usual.model_rate = *c.comparison.model_rate;
   if (c.comparison.cutoff) {
     usual.compare_rate *= *c.comparison.cutoff / usual.cutoff;
@@ -55,11 +55,11 @@ bool belongs_to(const sim::TermSettings& term, const std::string& predicted) {
   const sim::TermKind& kind = sim::term_kind(term.kind);
   if (predicted == "displacement")
     return kind.stage == Stage::Actuator ||
-           (kind.stage == Stage::Sensor && term.channel == sim::Channel::Displacement);
+           (kind.stage == Stage::Sensor && term.channel == sim::SensorChannel::Displacement);
   if (predicted == "acceleration")
-    return kind.stage == Stage::Sensor && term.channel == sim::Channel::Acceleration;
+    return kind.stage == Stage::Sensor && term.channel == sim::SensorChannel::Acceleration;
   return kind.stage != Stage::Actuator &&
-         !(kind.stage == Stage::Sensor && term.channel != sim::Channel::Force);
+         !(kind.stage == Stage::Sensor && term.channel != sim::SensorChannel::Force);
 }
 
 FreeParameter free_parameter(const FittedParameter& fitted, const std::vector<ModelTerm>& terms,
@@ -107,7 +107,7 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
   const auto all = sim::read_terms(c.model.table.without("bounds"));
   for (const auto& term : all)
     // Rounding is known: it is part of the noise.
-    if (belongs_to(term, predicted) && term.kind != "quantisation")
+    if (belongs_to(term, predicted) && !sim::has_trait(term.kind, sim::kRounds))
       base.terms.push_back({term, ""});
   std::vector<double> values;
   for (const auto& fitted : c.model.fitted) {
@@ -118,7 +118,7 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
     const auto found = std::find_if(base.terms.begin(), base.terms.end(), is_it);
     if (found == base.terms.end()) continue;
     // Offsets differ between records, so each record has its own removed.
-    if (found->settings.kind == "offset") {
+    if (sim::has_trait(found->settings.kind, sim::kConstant)) {
       has_free_offsets = true;
       continue;
     }
@@ -129,8 +129,9 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
     }
   }
   if (has_free_offsets)
-    std::erase_if(base.terms,
-                  [](const ModelTerm& placed) { return placed.settings.kind == "offset"; });
+    std::erase_if(base.terms, [](const ModelTerm& placed) {
+      return sim::has_trait(placed.settings.kind, sim::kConstant);
+    });
   base.values =
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
   return base;
@@ -142,7 +143,7 @@ void allow_half_a_sample(Hypothesis& base, double time_step) {
     const std::string name = settings.name + ".delay";
     const bool is_free = std::any_of(base.free.begin(), base.free.end(),
                                      [&](const auto& free) { return free.name == name; });
-    if (settings.kind != "actuator_delay" || is_free) continue;
+    if (!sim::has_trait(settings.kind, sim::kDelaysCommand) || is_free) continue;
     double delay = 0;
     for (const auto& [key, value] : settings.parameters)
       if (key == "delay") delay = value;
@@ -174,7 +175,7 @@ std::vector<std::string> parameters_of(const Case& c) {
 }  // namespace
 
 bool has_actuator(const Case& c) {
-  if (c.model.kind == "servo_axis") return true;
+  if (c.model.kind == ModelKind::ServoAxis) return true;
   const auto terms = sim::read_terms(c.model.table.without("bounds"));
   return std::any_of(terms.begin(), terms.end(), [](const auto& term) {
     return sim::term_kind(term.kind).stage == Stage::Actuator;
@@ -227,7 +228,7 @@ std::unique_ptr<Relation> actuator_relation(const Case& c,
 }
 
 std::unique_ptr<Relation> force_relation(const Case& c, const std::vector<std::string>& without) {
-  if (c.model.kind == "servo_axis") return nullptr;
+  if (c.model.kind == ModelKind::ServoAxis) return nullptr;
   CompositionSetup setup{"motion to force",
                          Part::Bearing,
                          {"displacement", "force", true, false},
@@ -237,8 +238,8 @@ std::unique_ptr<Relation> force_relation(const Case& c, const std::vector<std::s
                          {},
                          without};
   if (setup.axes.empty())
-    throw Error{"no axis has both displacement and force, which a model of kind '" + c.model.kind +
-                "' needs"};
+    throw Error{"no axis has both displacement and force, which a model of kind '" +
+                name_of(c.model.kind) + "' needs"};
   setup.base = base_of(c, "force", setup.has_free_offsets);
   return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
 }

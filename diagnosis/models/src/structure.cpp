@@ -30,7 +30,7 @@ MatrixXd read_symmetric(const Config& table, const std::string& key, Index size)
 }
 
 // An entry of a matrix that is a parameter: not zero, on or above the diagonal.
-struct Entry {
+struct MatrixEntry {
   Index row, column;
 };
 
@@ -60,7 +60,7 @@ class MatrixParameters {
 
  private:
   Index size_ = 0, first_ = 0;
-  std::vector<Entry> entries_;
+  std::vector<MatrixEntry> entries_;
 };
 
 // C = α M + β K, or given as a matrix.

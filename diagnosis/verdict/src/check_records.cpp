@@ -115,7 +115,8 @@ void check_records(const Case& c) {
   for (const auto& record : c.records) {
     if (record.use != Use::Reference) check_length(record);
     for (const auto& channel : record.channels) check_sizes(channel, record);
-    if (record.use != Use::Reference && c.model.kind == "bearing") check_compression(record);
+    if (record.use != Use::Reference && c.model.kind == ModelKind::Bearing)
+      check_compression(record);
   }
 }
 

@@ -179,7 +179,7 @@ std::vector<std::string> inseparable_of(const NextTest& next, std::vector<Cause>
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the
 // others.
 AllFindings findings_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
-                        Progress& progress) {
+                        DiagnosisProgress& progress) {
   AllFindings all;
   for (const RelationOf relation_of : relations_of_kind(c.model.kind)) {
     auto relation = relation_of(c, options.without);
@@ -234,7 +234,8 @@ ImprovedModel improvement_of(const Case& given, const Case& c, const AllFindings
 }
 
 // Everything that a case shows, but its name and the time taken.
-Verdict verdict_on(const Case& given, const DiagnosisOptions& options, Progress& progress) {
+Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
+                   DiagnosisProgress& progress) {
   Case c = given;
   check_case(c, options.without);
   std::vector<const Record*> noisy;
@@ -262,7 +263,8 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options, Progress&
   verdict.descriptions = descriptions_of(all, shown);
   verdict.terms = terms_of(all);
   progress.begin_stage("next test");
-  NextTest next = next_test(all, c.model.kind == "bearing", ranking.outcome() == Outcome::Unknown);
+  NextTest next =
+      next_test(all, c.model.kind == ModelKind::Bearing, ranking.outcome() == Outcome::Unknown);
   auto causes = causes_of(all, shown, next);
   append(inseparable_of(next, causes), verdict.limits);
   verdict.next = {std::move(next.text), std::move(next.motion)};
@@ -277,7 +279,7 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options, Progress&
 
 Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  Progress progress{options.progress};
+  DiagnosisProgress progress{options.progress};
   Verdict verdict = verdict_on(given, options, progress);
   verdict.case_name = given.name;
   verdict.sentence = sentence_of(verdict);

@@ -41,15 +41,15 @@ bool means(const std::string& name, const sim::TermSettings& term) {
   return name == term.name || name == without_axis(term.name);
 }
 
-const char* name_of(sim::Channel channel) {
+const char* name_of(sim::SensorChannel channel) {
   switch (channel) {
-    case sim::Channel::Displacement:
+    case sim::SensorChannel::Displacement:
       return "displacement";
-    case sim::Channel::Acceleration:
+    case sim::SensorChannel::Acceleration:
       return "acceleration";
-    case sim::Channel::AxialLoad:
+    case sim::SensorChannel::AxialLoad:
       return "axial_load";
-    case sim::Channel::Force:
+    case sim::SensorChannel::Force:
       break;
   }
   return "force";
@@ -174,9 +174,7 @@ const sim::Parameter* parameter_of(const std::string& kind, const std::string& n
 }
 
 // An offset among the fitted parameters would be that of each record, not of the model.
-bool may_be_fitted(const Candidate& candidate) {
-  return candidate.kind != "offset" || candidate.part != Part::Sensor;
-}
+bool may_be_fitted(const Candidate& candidate) { return !is_offset_of_sensor(candidate); }
 
 void improve_composition(const RelationFindings& found, Config& model) {
   for (const auto& table : changed_tables(found)) {
@@ -278,10 +276,10 @@ void improve_system(const RelationFindings& found, Config& model) {
 
 // ---- coarse steps of sensors ----------------------------------------------------------------
 
-sim::Channel channel_of(const std::string& role) {
-  for (const auto channel : {sim::Channel::Displacement, sim::Channel::Acceleration})
+sim::SensorChannel channel_of(const std::string& role) {
+  for (const auto channel : {sim::SensorChannel::Displacement, sim::SensorChannel::Acceleration})
     if (role.starts_with(name_of(channel))) return channel;
-  return role == "vertical_force" ? sim::Channel::AxialLoad : sim::Channel::Force;
+  return role == "vertical_force" ? sim::SensorChannel::AxialLoad : sim::SensorChannel::Force;
 }
 
 // Whether a model of the user's own system has terms at a channel.
@@ -293,7 +291,7 @@ bool has_component(const Relation& relation, const std::string& role) {
                      [&](const auto& output) { return output.first == role; });
 }
 
-Config rounding_of(const Lattice& lattice, sim::Channel channel) {
+Config rounding_of(const Lattice& lattice, sim::SensorChannel channel) {
   Config table;
   for (const auto& parameter : sim::term_kind("quantisation").parameters)
     if (parameter.name == "step")
@@ -302,10 +300,10 @@ Config rounding_of(const Lattice& lattice, sim::Channel channel) {
 }
 
 void add_rounding(const Lattice& lattice, Config& model) {
-  const sim::Channel channel = channel_of(lattice.role);
+  const sim::SensorChannel channel = channel_of(lattice.role);
   // No term changes a temperature.
-  if (!lattice.role.starts_with(channel == sim::Channel::AxialLoad ? "vertical_force"
-                                                                   : name_of(channel)))
+  if (!lattice.role.starts_with(channel == sim::SensorChannel::AxialLoad ? "vertical_force"
+                                                                         : name_of(channel)))
     return;
   Config table = rounding_of(lattice, channel);
   table.put("kind", std::string{"quantisation"});
@@ -339,11 +337,11 @@ std::string fragment_of(const RelationFindings& found) {
 
 bool has_rounding(const Case& c, const std::string& role) {
   const auto is_rounding = [](const sim::TermSettings& term) {
-    return term.kind == "quantisation";
+    return sim::has_trait(term.kind, sim::kRounds);
   };
   if (!is_composition(c.model.kind)) {
     const auto terms = sim::read_terms(c.model.table.table_or_empty("terms").table_or_empty(role),
-                                       sim::TermOwner::Any, sim::Bounds::None);
+                                       sim::TermOwner::Any, sim::ParameterBounds::None);
     return std::any_of(terms.begin(), terms.end(), is_rounding);
   }
   const auto terms = sim::read_terms(c.model.table.without("bounds"));
@@ -357,7 +355,7 @@ bool has_rounding(const Case& c, const std::string& role) {
 Config improved_model(const Case& c, const std::vector<std::unique_ptr<RelationFindings>>& all,
                       const std::vector<Lattice>& lattices) {
   Config model = c.model.table;
-  model.put("kind", c.model.kind);
+  model.put("kind", name_of(c.model.kind));
   for (const auto& found : all)
     is_composition(c.model.kind) ? improve_composition(*found, model)
                                  : improve_system(*found, model);
@@ -365,7 +363,8 @@ Config improved_model(const Case& c, const std::vector<std::unique_ptr<RelationF
     if (is_composition(c.model.kind))
       add_rounding(lattice, model);
     else if (has_component(*all[0]->relation, lattice.role))
-      add_term(model, lattice.role, "quantisation", rounding_of(lattice, sim::Channel::Force));
+      add_term(model, lattice.role, "quantisation",
+               rounding_of(lattice, sim::SensorChannel::Force));
   }
   return model;
 }

@@ -69,8 +69,8 @@ bool is_used_by_compositions(const Channel& channel, const Record& record, bool 
 
 // Whether a dynamic model names the channel, or reads it for its added terms.
 bool is_used_by_model(const Channel& channel, const Record& record, const Model& model) {
-  if (channel.role.starts_with("predicted.")) return model.kind == "data";
-  if (model.kind != "data") {
+  if (channel.role.starts_with("predicted.")) return model.kind == ModelKind::Data;
+  if (model.kind != ModelKind::Data) {
     const std::string text = model.table.to_toml();
     return text.find('"' + channel.role + '"') != std::string::npos ||
            text.find('\'' + channel.role + '\'') != std::string::npos;
@@ -93,7 +93,7 @@ std::string unused_channels(const Case& c) {
         unused.push_back(channel.role);
     }
   if (unused.empty()) return "";
-  return fmt::format("Not used by a model of kind '{}': {}.", c.model.kind,
+  return fmt::format("Not used by a model of kind '{}': {}.", name_of(c.model.kind),
                      fmt::join(unused, ", "));
 }
 
@@ -110,7 +110,7 @@ std::string short_rest(const Case& c) {
 // Friction and strength follow the compression.
 std::vector<std::string> loads_in_tension(const Case& c) {
   std::vector<std::string> loads;
-  if (c.model.kind != "platen") return loads;
+  if (c.model.kind != ModelKind::Platen) return loads;
   for (const Record* record : moving_records(c))
     if (const std::string text = tension_in(*record); !text.empty())
       loads.push_back(fmt::format("{}: {}.", record->name, text));
@@ -244,11 +244,11 @@ std::vector<std::string> limits_of_channels(const Case& c) {
       limits.emplace_back(
           "No acceleration was recorded: estimates of inertia use displacement alone, and the "
           "accelerometer's faults are not checked.");
-    if (lacks("vertical_force") && c.model.kind != "servo_axis")
+    if (lacks("vertical_force") && c.model.kind != ModelKind::ServoAxis)
       limits.emplace_back(
           "No vertical force was recorded: effects that depend on it cannot be distinguished from "
           "others.");
-    if (lacks("temperature") && c.model.kind == "bearing")
+    if (lacks("temperature") && c.model.kind == ModelKind::Bearing)
       limits.emplace_back("No temperature was recorded.");
     if (lacks("command"))
       limits.emplace_back("No command was recorded: actuators were not checked.");

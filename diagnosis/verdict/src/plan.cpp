@@ -108,9 +108,9 @@ struct Visible {
   Plan::Effect planned;
 };
 
-class Examination {
+class PlannedExamination {
  public:
-  Examination(const Problem& problem, Fold fold)
+  PlannedExamination(const Problem& problem, Fold fold)
       : fold_{std::move(fold)}, base_{problem, problem.relation().base()} {
     const std::vector<Index> all = all_of(base_.hypothesis());
     MatrixXd jacobian;
@@ -261,7 +261,7 @@ Plan::Examined examined(const Relation& relation, const Split& split, const Sens
   result.cutoff = problem.drive(0).cutoff;
   result.visited = visited_states(problem);
   for (const auto& free : relation.base().free) result.fitted.push_back(free.name);
-  const Examination examination{problem, folds_of(split, problem).both};
+  const PlannedExamination examination{problem, folds_of(split, problem).both};
   const auto candidates = relation.candidates(relation.base());
   std::vector<Visible> visible;
   for (const auto& candidate : candidates)
@@ -292,7 +292,7 @@ Plan plan(const Case& c, const DiagnosisOptions& options) {
   const Split split = split_of(c.records);
   Plan plan;
   plan.case_name = c.name;
-  plan.kind = c.model.kind;
+  plan.kind = name_of(c.model.kind);
   plan.records = records_of(c, split);
   plan.noise = noise_basis(c, noise);
   plan.limits = limits_of_channels(c);

@@ -18,14 +18,14 @@ void check_case(const Case& c, const std::vector<std::string>& without) {
   check_records(c);
 }
 
-std::vector<RelationOf> relations_of_kind(const std::string& kind) {
+std::vector<RelationOf> relations_of_kind(ModelKind kind) {
   if (is_composition(kind)) return {accelerometer_relation, actuator_relation, force_relation};
   return {dynamic_relation};
 }
 
 void throw_without_relation(const Case& c) {
-  throw Error{
-      fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name, c.model.kind)};
+  throw Error{fmt::format("{}: a model of kind '{}' relates no two of the channels", c.name,
+                          name_of(c.model.kind))};
 }
 
 }  // namespace rths::diagnosis

@@ -17,7 +17,7 @@ void check_case(const Case& c, const std::vector<std::string>& without);
 /// Makes a relation of a case; null if the case lacks its channels.
 using RelationOf = std::unique_ptr<Relation> (*)(const Case&, const std::vector<std::string>&);
 /// Of a kind of model, in the order in which they are examined.
-[[nodiscard]] std::vector<RelationOf> relations_of_kind(const std::string& kind);
+[[nodiscard]] std::vector<RelationOf> relations_of_kind(ModelKind kind);
 
 /// @throws Error: the channels of the case belong to no relation   @setup
 [[noreturn]] void throw_without_relation(const Case& c);

@@ -224,7 +224,7 @@ std::vector<ScoredCandidate> ranked_of(const Selection& selection) {
   return all;
 }
 
-void add_evidence(const RelationFindings& found, std::vector<Evidence>& evidence) {
+void add_evidence(const RelationFindings& found, std::vector<CandidateEvidence>& evidence) {
   const double n = observations(*found.problem, found.folds.both);
   for (const auto& one : ranked_of(found.selection))
     if (evidence.size() < kMostEvidence && one.gain > 0)
@@ -244,8 +244,8 @@ bool has_result(const RelationFindings& found) { return found.is_named() || foun
 
 }  // namespace
 
-std::vector<Evidence> evidence_of(const AllFindings& all, const RelationFindings& shown) {
-  std::vector<Evidence> evidence;
+std::vector<CandidateEvidence> evidence_of(const AllFindings& all, const RelationFindings& shown) {
+  std::vector<CandidateEvidence> evidence;
   add_evidence(shown, evidence);
   for (const auto& found : all)
     if (found.get() != &shown && has_result(*found)) add_evidence(*found, evidence);

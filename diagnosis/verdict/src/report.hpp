@@ -12,8 +12,8 @@ namespace rths::diagnosis {
 using AllFindings = std::vector<std::unique_ptr<RelationFindings>>;
 
 /// Gains of the candidates of some relations, those of `shown` first. There is room for ten.
-[[nodiscard]] std::vector<Evidence> evidence_of(const AllFindings& all,
-                                                const RelationFindings& shown);
+[[nodiscard]] std::vector<CandidateEvidence> evidence_of(const AllFindings& all,
+                                                         const RelationFindings& shown);
 
 /// Forms of the residuals of some relations, those of `shown` first. If its residual is
 /// unknown and has no form, there are none, since the first one is taken for the best of it.

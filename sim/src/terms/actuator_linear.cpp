@@ -30,7 +30,7 @@ struct ActuatorDelay {
   static constexpr std::string_view kEquation = "u(t) = command(t - tau)";
   static constexpr std::string_view kSource = "Horiuchi et al. 1999; cubic interpolation is ours";
   static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr unsigned kTraits = kPerAxis | kDelaysCommand;
   enum { kDelay };
   static constexpr double kLongest = 0.2;  // [s]
   static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};

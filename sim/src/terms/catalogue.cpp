@@ -30,14 +30,17 @@ std::span<const TermKind> catalogue() {
 }
 
 const TermKind& term_kind(std::string_view name) {
+  const auto kinds = catalogue();
+  const auto found =
+      std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) { return kind.name == name; });
+  if (found != kinds.end()) return *found;
   std::vector<std::string> known;
-  for (const auto& kind : catalogue()) {
-    if (kind.name == name) return kind;
-    known.emplace_back(kind.name);
-  }
+  for (const auto& kind : kinds) known.emplace_back(kind.name);
   throw Error{"there is no term '" + std::string{name} + "'" +
               did_you_mean(std::string{name}, known)};
 }
+
+bool has_trait(std::string_view kind, Trait trait) { return (term_kind(kind).traits & trait) != 0; }
 
 const Parameter& parameter_of(const TermKind& kind, std::string_view name) {
   for (const auto& parameter : kind.parameters)

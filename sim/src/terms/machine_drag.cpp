@@ -98,12 +98,12 @@ struct PowerDamping {
 };
 
 struct PlatenInertia {
-  static constexpr std::string_view kName = kPlatenInertia;
+  static constexpr std::string_view kName = "platen_inertia";
   static constexpr std::string_view kTitle = "inertia of parts moving with the platen";
   static constexpr std::string_view kEquation = "F = m a";
   static constexpr std::string_view kSource = "Newton";
   static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kFrameIndifferent | kPerAxis;
+  static constexpr unsigned kTraits = kFrameIndifferent | kPerAxis | kInertial;
   enum { kMass };
   // Negative: the inertia correction was too large.
   static constexpr Parameter kParameters[] = {{"mass", "kg", -1e12, 1e12, 0, 5e3}};

@@ -2,15 +2,10 @@
 #pragma once
 
 #include <span>
-#include <string_view>
 
 #include <rths/sim/term.hpp>
 
 namespace rths::sim {
-
-/// Name of the term for a mass that moves with the platen. A test machine adds the mass to the
-/// platen's own instead of computing a force.
-inline constexpr std::string_view kPlatenInertia = "platen_inertia";
 
 std::span<const TermKind> friction_kinds();
 std::span<const TermKind> drag_kinds();

@@ -8,15 +8,15 @@
 namespace rths::sim {
 namespace {
 
-constexpr std::string_view kMount = "textbook; solution: docs/theory/machine_terms.md";
+constexpr std::string_view kMountSource = "textbook; solution: docs/theory/machine_terms.md";
 
 struct SupportFlexibility {
   static constexpr std::string_view kName = "support_flexibility";
   static constexpr std::string_view kTitle = "flexibility of the specimen's support";
   static constexpr std::string_view kEquation = "u_specimen = u - chi F";
-  static constexpr std::string_view kSource = kMount;
+  static constexpr std::string_view kSource = kMountSource;
   static constexpr Stage kStage = Stage::Motion;
-  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr unsigned kTraits = kPerAxis | kMount;
   enum { kFlexibility, kStiffness };
   static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate};
@@ -37,9 +37,9 @@ struct MountSlack {
   static constexpr std::string_view kName = "mount_slack";
   static constexpr std::string_view kTitle = "slack in the specimen's mount";
   static constexpr std::string_view kEquation = "u_specimen = u - (g/2) clip(F/F_seat, 1)";
-  static constexpr std::string_view kSource = kMount;
+  static constexpr std::string_view kSource = kMountSource;
   static constexpr Stage kStage = Stage::Motion;
-  static constexpr unsigned kTraits = kPerAxis;
+  static constexpr unsigned kTraits = kPerAxis | kMount;
   enum { kSlack, kSeat, kStiffness };
   static constexpr Parameter kParameters[] = {{"slack", "m", 0, 10, 0, 2e-3},
                                               {"seating_force", "N", 1e-6, 1e9, 1e5, 1e5},

@@ -19,13 +19,13 @@ std::span<const TermKind> sensor_time_kinds();
 template <class Real>
 Horizontal<Real>* horizontal_channel(const TermView<Real>& term, Quantities<Real>& q) {
   switch (term.channel) {
-    case Channel::Force:
+    case SensorChannel::Force:
       return &q.force;
-    case Channel::Displacement:
+    case SensorChannel::Displacement:
       return &q.displacement;
-    case Channel::Acceleration:
+    case SensorChannel::Acceleration:
       return &q.acceleration;
-    case Channel::AxialLoad:
+    case SensorChannel::AxialLoad:
       break;
   }
   return nullptr;

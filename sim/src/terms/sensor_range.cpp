@@ -6,7 +6,7 @@
 namespace rths::sim {
 namespace {
 
-struct Saturation {
+struct SensorSaturation {
   static constexpr std::string_view kName = "saturation";
   static constexpr std::string_view kTitle = "saturation of a sensor";
   static constexpr std::string_view kEquation = "y = clip(x, x_max)";
@@ -29,7 +29,7 @@ struct Overflow {
   static constexpr std::string_view kEquation = "y = x - 2 x_max round(x / (2 x_max))";
   static constexpr std::string_view kSource = "two's complement";
   static constexpr Stage kStage = Stage::Sensor;
-  static constexpr unsigned kTraits = kSensorTraits;
+  static constexpr unsigned kTraits = kSensorTraits | kOverflows;
   enum { kLimit };
   static constexpr Parameter kParameters[] = {{"limit", kChannelUnit, 1e-9, 1e15, 1e15, 1.2e6}};
 
@@ -48,7 +48,7 @@ struct Quantisation {
   static constexpr std::string_view kEquation = "y = q round(x/q)";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
-  static constexpr unsigned kTraits = kSensorTraits;
+  static constexpr unsigned kTraits = kSensorTraits | kRounds;
   enum { kStep };
   static constexpr Parameter kParameters[] = {{"step", kChannelUnit, 0, 1e12, 0, 5e5}};
 
@@ -62,7 +62,7 @@ struct Quantisation {
   }
 };
 
-constexpr TermKind kSensorRangeKinds[] = {kind_of<Saturation>(), kind_of<Overflow>(),
+constexpr TermKind kSensorRangeKinds[] = {kind_of<SensorSaturation>(), kind_of<Overflow>(),
                                           kind_of<Quantisation>()};
 
 }  // namespace

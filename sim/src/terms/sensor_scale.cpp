@@ -5,7 +5,7 @@
 namespace rths::sim {
 namespace {
 
-struct Gain {
+struct SensorGain {
   static constexpr std::string_view kName = "gain";
   static constexpr std::string_view kTitle = "gain error of a sensor";
   static constexpr std::string_view kEquation = "y = g x";
@@ -65,7 +65,7 @@ struct Offset {
   static constexpr std::string_view kEquation = "y = x + d_0";
   static constexpr std::string_view kSource = "textbook";
   static constexpr Stage kStage = Stage::Sensor;
-  static constexpr unsigned kTraits = kSensorTraits;
+  static constexpr unsigned kTraits = kSensorTraits | kConstant;
   enum { kOffset };
   static constexpr Parameter kParameters[] = {{"offset", kChannelUnit, -1e9, 1e9, 0, 2e4}};
 
@@ -94,7 +94,7 @@ struct Drift {
   }
 };
 
-constexpr TermKind kSensorScaleKinds[] = {kind_of<Gain>(), kind_of<CubicDistortion>(),
+constexpr TermKind kSensorScaleKinds[] = {kind_of<SensorGain>(), kind_of<CubicDistortion>(),
                                           kind_of<AbsoluteValueSensor>(), kind_of<Offset>(),
                                           kind_of<Drift>()};
 

@@ -79,10 +79,10 @@ struct TriplePendulum {
   }
 
   template <class Real>
-  static std::array<Segment<Real>, kSegments> segments_of(const TermView<Real>& term,
-                                                          const Quantities<Real>& q) {
+  static std::array<PendulumSegment<Real>, kSegments> segments_of(const TermView<Real>& term,
+                                                                  const Quantities<Real>& q) {
     const Real* p = term.parameters;
-    std::array<Segment<Real>, kSegments> segments;
+    std::array<PendulumSegment<Real>, kSegments> segments;
     Real inner_clearance = 2 * p[kCapacity];
     for (std::size_t i = 1; i < kSegments; ++i) {
       const Real ratio = p[kRadius] / p[kRadius + i];
@@ -95,7 +95,7 @@ struct TriplePendulum {
     segments[0].clearance = inner_clearance;
     segments[0].rate = p[kRate] * (0.5 / term.time_step);
     for (std::size_t i = 0; i < kSegments; ++i) {
-      Segment<Real>& segment = segments[i];
+      PendulumSegment<Real>& segment = segments[i];
       segment.curvature *= q.stiffness;
       segment.elastic = p[kFriction + i] / p[kYieldDisplacement + i];
       segment.strength = p[kFriction + i] * q.strength;
@@ -109,7 +109,7 @@ struct TriplePendulum {
   // Reduces each friction by the heat of all earlier steps.
   template <class Real>
   static void soften(const TermView<Real>& term, const Quantities<Real>& q,
-                     std::array<Segment<Real>, kSegments>& segments) {
+                     std::array<PendulumSegment<Real>, kSegments>& segments) {
     using std::exp;
     const Real& share = term.parameters[kShare];
     if constexpr (std::is_same_v<Real, double>)
@@ -156,7 +156,7 @@ struct TriplePendulum {
   // share one temperature.
   template <class Real>
   static void warm(const TermView<Real>& term, const Real& load,
-                   const std::array<Response<Real>, kSegments>& responses) {
+                   const std::array<SegmentResponse<Real>, kSegments>& responses) {
     if constexpr (std::is_same_v<Real, double>)
       if (term.parameters[kShare] == 0) return;
     const Real* p = term.parameters;
@@ -183,7 +183,7 @@ struct TriplePendulum {
   // adds the derivatives with respect to parameters, history and displacement.
   template <class Real>
   static std::array<Plane<Real>, kSegments> settle(
-      const std::array<Segment<Real>, kSegments>& segments, const Plane<Real>& total,
+      const std::array<PendulumSegment<Real>, kSegments>& segments, const Plane<Real>& total,
       const SeriesDisplacements& at) {
     std::array<Plane<Real>, kSegments> u, force;
     std::array<Symmetric, kSegments> compliance;
@@ -191,7 +191,7 @@ struct TriplePendulum {
     Plane<Real> sum = total;
     for (std::size_t i = 0; i < kSegments; ++i) {
       u[i] = {Real{at[i].x}, Real{at[i].y}};
-      const Response<Real> found = response_of(segments[i], u[i]);
+      const SegmentResponse<Real> found = response_of(segments[i], u[i]);
       compliance[i] = found.tangent.inverse();
       force[i] = found.force;
       all += compliance[i];
@@ -203,9 +203,10 @@ struct TriplePendulum {
   }
 
   template <class Real>
-  static void keep(const TermView<Real>& term, const std::array<Segment<Real>, kSegments>& segments,
+  static void keep(const TermView<Real>& term,
+                   const std::array<PendulumSegment<Real>, kSegments>& segments,
                    const std::array<Plane<Real>, kSegments>& u,
-                   const std::array<Response<Real>, kSegments>& responses) {
+                   const std::array<SegmentResponse<Real>, kSegments>& responses) {
     for (std::size_t i = 0; i < kSegments; ++i) {
       put(u[i] - point(term.state + kDisplacement + 2 * i), term.state + kGrowth + 2 * i);
       put(u[i], term.state + kDisplacement + 2 * i);
@@ -216,8 +217,9 @@ struct TriplePendulum {
   // All three segments carry the same force. Its frictional component is the mean of the frictions
   // weighted by the radii, because u = Σ R_i (F − f_i).
   template <class Real>
-  static void act(const std::array<Segment<Real>, kSegments>& segments,
-                  const std::array<Response<Real>, kSegments>& responses, Quantities<Real>& q) {
+  static void act(const std::array<PendulumSegment<Real>, kSegments>& segments,
+                  const std::array<SegmentResponse<Real>, kSegments>& responses,
+                  Quantities<Real>& q) {
     Plane<Real> friction;
     Real radii{};
     for (std::size_t i = 0; i < kSegments; ++i) {
@@ -242,7 +244,7 @@ struct TriplePendulum {
         solve_series({plain(segments[0]), plain(segments[1]), plain(segments[2])},
                      {value_of(total.x), value_of(total.y)}, at);
     std::array<Plane<Real>, kSegments> u;
-    std::array<Response<Real>, kSegments> responses;
+    std::array<SegmentResponse<Real>, kSegments> responses;
     if constexpr (std::is_same_v<Real, double>) {
       u = at;
       responses = solution.responses;

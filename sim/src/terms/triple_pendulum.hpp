@@ -40,7 +40,7 @@ struct Symmetric {
 };
 
 template <class Real>
-struct Segment {
+struct PendulumSegment {
   Real curvature;         ///< of the spring [1/m], > 0
   Real elastic;           ///< stiffness of the slider before it slides [1/m]
   Real strength;          ///< friction at high velocity [-]
@@ -53,7 +53,7 @@ struct Segment {
 
 /// Response of a segment to a displacement.
 template <class Real>
-struct Response {
+struct SegmentResponse {
   Plane<Real> force, friction, slip;  ///< total, the slider's share, its slip [-, -, m]
   Symmetric tangent{};                ///< [1/m]
 };
@@ -66,7 +66,7 @@ struct Slip {
 /// Slip s of a slider whose trial force exceeds its strength at zero velocity: the root of
 ///     trial − elastic s − strength (1 − reduction e^(−rate s)) = 0
 /// The function is convex and decreasing, so Newton's method from the left converges monotonically.
-[[nodiscard]] inline Slip slip_of(const Segment<double>& segment, double trial) noexcept {
+[[nodiscard]] inline Slip slip_of(const PendulumSegment<double>& segment, double trial) noexcept {
   constexpr int kMostIterations = 12;
   constexpr double kTolerance = 1e-13;  // per trial force
   Slip result{std::max(0.0, (trial - segment.strength) / segment.elastic), 0};
@@ -88,7 +88,7 @@ struct Slip {
 
 /// Values without their derivatives.
 template <class Real>
-[[nodiscard]] Segment<double> plain(const Segment<Real>& s) noexcept {
+[[nodiscard]] PendulumSegment<double> plain(const PendulumSegment<Real>& s) noexcept {
   return {value_of(s.curvature), value_of(s.elastic),
           value_of(s.strength),  value_of(s.reduction),
           value_of(s.rate),      value_of(s.clearance),
@@ -97,8 +97,8 @@ template <class Real>
 
 /// One Newton step from the root: keeps the value and adds the derivatives.
 template <class Real>
-[[nodiscard]] Real carried(const Segment<Real>& segment, const Real& trial, const Slip& root,
-                           double slope) noexcept {
+[[nodiscard]] Real carried(const PendulumSegment<Real>& segment, const Real& trial,
+                           const Slip& root, double slope) noexcept {
   using std::exp;
   if constexpr (std::is_same_v<Real, double>) return root.slip;
   const Real lost = segment.strength * segment.reduction * exp(-(segment.rate * root.slip));
@@ -106,12 +106,12 @@ template <class Real>
 }
 
 template <class Real>
-[[nodiscard]] Response<Real> response_of(const Segment<Real>& segment,
-                                         const Plane<Real>& u) noexcept {
+[[nodiscard]] SegmentResponse<Real> response_of(const PendulumSegment<Real>& segment,
+                                                const Plane<Real>& u) noexcept {
   const auto values = [](const Plane<Real>& a) {
     return Plane<double>{value_of(a.x), value_of(a.y)};
   };
-  Response<Real> result;
+  SegmentResponse<Real> result;
   result.force = u * segment.curvature;
   result.tangent.xx = result.tangent.yy = value_of(segment.curvature);
 
@@ -148,7 +148,7 @@ using SeriesDisplacements = std::array<Plane<double>, kSegments>;
 struct SeriesSolution {
   int evaluations = 0;   ///< of all three segments, ≤ kMostEvaluations
   double imbalance = 0;  ///< largest difference between a segment's and the common force [-]
-  std::array<Response<double>, kSegments> responses{};
+  std::array<SegmentResponse<double>, kSegments> responses{};
 };
 
 inline constexpr int kMostEvaluations = 30;
@@ -157,7 +157,7 @@ inline constexpr int kMostEvaluations = 30;
 /// convex energy, by Newton's method with a line search. They add up to `total` even without
 /// convergence.
 /// @param u  in: start of the search; out: the solution   @realtime
-SeriesSolution solve_series(const std::array<Segment<double>, kSegments>& segments,
+SeriesSolution solve_series(const std::array<PendulumSegment<double>, kSegments>& segments,
                             const Plane<double>& total, SeriesDisplacements& u) noexcept;
 
 }  // namespace rths::sim

@@ -11,8 +11,8 @@ constexpr double kTolerance = 1e-11;
 // A line search ends when the energy's slope has fallen to a tenth.
 constexpr double kEnoughSlope = 0.1;
 
-using Segments = std::array<Segment<double>, kSegments>;
-using Responses = std::array<Response<double>, kSegments>;
+using Segments = std::array<PendulumSegment<double>, kSegments>;
+using Responses = std::array<SegmentResponse<double>, kSegments>;
 
 Responses responses(const Segments& segments, const SeriesDisplacements& u) {
   return {response_of(segments[0], u[0]), response_of(segments[1], u[1]),

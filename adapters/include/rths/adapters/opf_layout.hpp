@@ -10,15 +10,15 @@
 namespace rths::adapters {
 
 /// Physical quantity of a word of OpenFresco's block.
-enum class Quantity { Displacement, Velocity, Acceleration, Force, Time };
+enum class OpfQuantity { Displacement, Velocity, Acceleration, Force, Time };
 
-[[nodiscard]] const char* to_text(Quantity quantity) noexcept;
+[[nodiscard]] const char* to_text(OpfQuantity quantity) noexcept;
 
 /// One word of OpenFresco's block.
 struct OpfSignal {
   std::string name;  ///< full: "opf.long.displ.target"
   std::string axis;  ///< "long"; "1" for a single axis and for times, which are numbered
-  Quantity quantity = Quantity::Displacement;
+  OpfQuantity quantity = OpfQuantity::Displacement;
   std::string unit;     ///< SI
   double map_unit = 1;  ///< the map's [SI]
   /// Values that its word can hold, within the range of the map [SI].
@@ -33,7 +33,7 @@ struct OpfLayout {
 
   /// Returns the word of an axis and quantity, or nullptr.
   [[nodiscard]] static const OpfSignal* find(const std::vector<OpfSignal>& signals,
-                                             const std::string& axis, Quantity quantity);
+                                             const std::string& axis, OpfQuantity quantity);
 };
 
 /// Reads the block from a map's partitions `opf` and `daq`.

@@ -27,9 +27,9 @@ struct AxisCharacter {
 
 /// The lead that makes a machine follow: reference = a0 x + a1 ẋ + a2 ẍ.
 struct AxisCalibration {
-  std::string name;                     ///< "long", "lat"
-  std::array<maths::Estimate, 3> lead;  ///< a0 [-], a1 [s], a2 [s²]
-  maths::DelayFit delay;                ///< of the machine, whole records
+  std::string name;                           ///< "long", "lat"
+  std::array<maths::RobustEstimate, 3> lead;  ///< a0 [-], a1 [s], a2 [s²]
+  maths::DelayFit delay;                      ///< of the machine, whole records
   double remaining = 0;  ///< RMS of x − lead of measured x over RMS of x, in the band [-]
 };
 

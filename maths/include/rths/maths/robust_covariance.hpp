@@ -6,7 +6,7 @@
 namespace rths::maths {
 
 /// A value and the half width of its 95 % interval, in the same unit.
-struct Estimate {
+struct RobustEstimate {
   double value = 0, half_width = 0;
 };
 

@@ -18,7 +18,7 @@ struct Progress {
   std::function<void(const RunResult&)> recorded;     ///< a test has ended; it is not judged yet
   /// The next of several long steps begins.
   std::function<void(int number, int count, const std::string& name)> step;
-  diagnosis::Progress::Show fits;  ///< of a diagnosis
+  diagnosis::DiagnosisProgress::Show fits;  ///< of a diagnosis
 };
 
 }  // namespace rths::session

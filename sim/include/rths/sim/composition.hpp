@@ -22,7 +22,7 @@ struct TermSettings {
   std::string name;                                        ///< empty: the kind's name
   std::vector<std::pair<std::string, double>> parameters;  ///< by name, SI; the rest: defaults
   unsigned axes = kBothAxes;                               ///< bit 0: long, bit 1: lat
-  Channel channel = Channel::Force;                        ///< of a sensor term
+  SensorChannel channel = SensorChannel::Force;            ///< of a sensor term
 };
 
 /// The term's own name, or its kind if it has none.
@@ -38,7 +38,7 @@ class Composition {
     const TermKind* kind;
     std::string name;
     unsigned axes;
-    Channel channel;
+    SensorChannel channel;
     std::size_t first_parameter, first_state, first_constant;
   };
 
@@ -93,7 +93,7 @@ enum class TermOwner { Any, Specimen, Machine };
 void check_owner(const TermSettings& term, TermOwner owner);
 
 /// Bounds of parameters: those of the catalogue, or none for a system in other units or sizes.
-enum class Bounds { Catalogue, None };
+enum class ParameterBounds { Catalogue, None };
 
 /// Reads the terms of a table. Each subtable is a term. Its key is the kind, or any name if the
 /// subtable has `kind = "…"`. A parameter may be an array [long, lat] if the kind acts on each
@@ -104,11 +104,11 @@ enum class Bounds { Catalogue, None };
 ///
 /// @throws Error with the place of the first wrong key or value, or of a term that its owner cannot
 ///         have   @setup
-[[nodiscard]] std::vector<TermSettings> read_terms(const Config& table,
-                                                   TermOwner owner = TermOwner::Any,
-                                                   Bounds bounds = Bounds::Catalogue);
+[[nodiscard]] std::vector<TermSettings> read_terms(
+    const Config& table, TermOwner owner = TermOwner::Any,
+    ParameterBounds bounds = ParameterBounds::Catalogue);
 
 /// Key of a parameter in a configuration: "stiffness" in "N/m" is "stiffness_N_per_m".   @setup
-[[nodiscard]] std::string parameter_key(const Parameter& parameter, Channel channel);
+[[nodiscard]] std::string parameter_key(const Parameter& parameter, SensorChannel channel);
 
 }  // namespace rths::sim

@@ -57,7 +57,7 @@ enum class Stage {
 };
 
 /// The measured quantity that a sensor term acts on.
-enum class Channel { Force, Displacement, Acceleration, AxialLoad };
+enum class SensorChannel { Force, Displacement, Acceleration, AxialLoad };
 
 /// A parameter of a term. In a configuration its key is name_unit: "characteristic_strength_N".
 struct Parameter {
@@ -77,6 +77,12 @@ enum Trait : unsigned {
   kPerAxis = 4,           ///< the axes are independent; the term may act on one of them alone
   kPerChannel = 8,        ///< a sensor term that acts on one channel
   kControlled = 16,       ///< reads `auxiliary`
+  kMount = 32,            ///< the specimen moves by its own force, that of the step before
+  kInertial = 64,         ///< a mass that moves with the platen: a machine adds it to its own
+  kDelaysCommand = 128,   ///< shifts the motion in time
+  kConstant = 256,        ///< adds a constant to a measurement
+  kRounds = 512,          ///< its error is part of the noise
+  kOverflows = 1024,      ///< begins again beyond its range, after all other effects
 };
 
 /// Parameters, constants and state of one term of a composition.
@@ -87,7 +93,7 @@ struct TermView {
   Real* state;              ///< all zeros in the virgin state
   double time_step;         ///< [s]
   unsigned axes;            ///< bit 0: long, bit 1: lat
-  Channel channel;
+  SensorChannel channel;
 
   [[nodiscard]] bool acts_on(std::size_t axis) const { return (axes >> axis & 1U) != 0; }
 };
@@ -124,6 +130,8 @@ struct TermKind {
 
 /// @throws Error naming the nearest known kind   @setup
 [[nodiscard]] const TermKind& term_kind(std::string_view name);
+/// Whether a kind has a trait. @throws Error as `term_kind`   @setup
+[[nodiscard]] bool has_trait(std::string_view kind, Trait trait);
 /// @throws Error if the kind has no parameter of this name   @setup
 [[nodiscard]] const Parameter& parameter_of(const TermKind& kind, std::string_view name);
 

@@ -59,7 +59,7 @@ struct ServoAxis {
 };
 
 /// Standard deviations of the sensors' white normal noise.
-struct SensorNoise {
+struct SensorNoiseLevels {
   double displacement = 5e-5;       ///< [m]
   double force = 5e3;               ///< [N]
   double acceleration = 0.0490333;  ///< [m/s²]
@@ -71,7 +71,7 @@ struct TestMachine {
   /// Effects missing in the equations above: actuator terms act on the reference, motion terms
   /// between platen and specimen, machine terms on the platen, sensor terms on the measurements.
   std::vector<TermSettings> terms;
-  SensorNoise noise;
+  SensorNoiseLevels noise;
   bool has_specimen = true;  ///< false: an empty table
   bool has_rollers = false;  ///< of an empty table: they carry its vertical load without friction
   Bearing specimen;

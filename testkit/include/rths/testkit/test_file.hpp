@@ -14,7 +14,7 @@
 namespace rths::testkit {
 
 /// A fault of a test; times count from its begin, when all programs are ready [s].
-struct Fault {
+struct PlannedFault {
   double at = 0;
   std::string kind;  ///< kill, freeze, drop, delay or flip
   std::string node;
@@ -43,7 +43,7 @@ struct TestFile {
   std::filesystem::path experiment;  ///< empty: programs
   std::string clock;                 ///< of the experiment: virtual or wall
   std::vector<std::string> changes;  ///< key=value, of the experiment
-  std::vector<Fault> faults;
+  std::vector<PlannedFault> faults;
   std::vector<Expectation> expectations;
 };
 

@@ -34,7 +34,7 @@ struct SquareMatrix {
 
 /// The six components of a bearing's deformation, from its node i to its node j.
 inline constexpr int kComponents = 6;
-enum Component { kAxial, kShearY, kShearZ, kTorsion, kRotationY, kRotationZ };
+enum BasicComponent { kAxial, kShearY, kShearZ, kTorsion, kRotationY, kRotationZ };
 
 /// A component that no machine moves: a multilinear elastic spring, extrapolated at both ends, with
 /// a viscous damper.

@@ -22,16 +22,19 @@ struct FittedParameter {
   std::optional<std::pair<double, double>> bounds;  ///< [SI]; none: the term's
 };
 
+enum class ModelKind { Bearing, Platen, ServoAxis, Structure, MassSpringDamper, Linear, Data };
+
+/// As in a case: "servo_axis".
+[[nodiscard]] std::string name_of(ModelKind kind);
+/// Whether a kind of model consists of terms of the catalogue: bearing, platen, servo axis.
+[[nodiscard]] bool is_composition(ModelKind kind);
+
 /// The model of the simulation.
 struct Model {
-  std::string kind =
-      "data";    ///< bearing, platen, servo_axis, structure, mass_spring_damper, linear
+  ModelKind kind = ModelKind::Data;
   Config table;  ///< the table [model]: terms, matrices and other data of the kind
   std::vector<FittedParameter> fitted;
 };
-
-/// Whether a kind of model consists of terms of the catalogue: bearing, platen, servo_axis.
-[[nodiscard]] bool is_composition(const std::string& kind);
 
 /// Range of the map of states, from −x to x; none: the range of the recordings.
 struct MapRange {

@@ -78,6 +78,9 @@ struct Candidate {
 /// Returns true if both are the same effect on the same channel, on whatever axes.
 [[nodiscard]] bool is_same(const Candidate& one, const Candidate& other);
 
+/// Returns true if a candidate is a constant error of a sensor.
+[[nodiscard]] bool is_offset_of_sensor(const Candidate& candidate);
+
 /// Returns true if a candidate changes a term that another candidate adds.
 [[nodiscard]] bool depends_on(const Candidate& candidate, const Candidate& other);
 

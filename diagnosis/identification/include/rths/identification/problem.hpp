@@ -50,8 +50,8 @@ class Problem {
   [[nodiscard]] Problem disturbed(std::size_t draw) const;
 
   /// Counts fits, and the steps of the selection. Must outlive the problem.
-  void report_to(Progress& progress) { progress_ = &progress; }
-  [[nodiscard]] Progress& progress() const { return *progress_; }
+  void report_to(DiagnosisProgress& progress) { progress_ = &progress; }
+  [[nodiscard]] DiagnosisProgress& progress() const { return *progress_; }
 
   /// Computes the noise of the residual again for another hypothesis, by sending the sensors' noise
   /// through its model. A record that the model cannot predict keeps its noise.
@@ -82,7 +82,7 @@ class Problem {
 
   const Relation* relation_ = nullptr;
   bool has_colour_ = false;
-  Progress* progress_ = nullptr;  ///< never null
+  DiagnosisProgress* progress_ = nullptr;  ///< never null
   std::vector<RecordData> records_;
 };
 

@@ -9,7 +9,7 @@
 namespace rths::diagnosis {
 
 /// Progress of a diagnosis: its stage and step, and the fits of the step that are done.
-class Progress {
+class DiagnosisProgress {
  public:
   struct State {
     std::string stage;      ///< "motion to force: term 2"
@@ -19,9 +19,9 @@ class Progress {
   };
   using Show = std::function<void(const State&)>;
 
-  Progress() = default;
+  DiagnosisProgress() = default;
   /// @param show  called at every change; null: nothing is shown
-  explicit Progress(Show show) : show_{std::move(show)} {}
+  explicit DiagnosisProgress(Show show) : show_{std::move(show)} {}
 
   /// Name of the part of the diagnosis, before its stages: "motion to force".
   void enter(const std::string& part) { part_ = part; }

@@ -36,6 +36,7 @@ struct RelationFindings {
 [[nodiscard]] std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
                                                         const std::vector<Record>& records,
                                                         const SensorNoise& noise,
-                                                        std::uint64_t seed, Progress& progress);
+                                                        std::uint64_t seed,
+                                                        DiagnosisProgress& progress);
 
 }  // namespace rths::diagnosis

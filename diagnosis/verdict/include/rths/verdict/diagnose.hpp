@@ -10,9 +10,9 @@
 namespace rths::diagnosis {
 
 struct DiagnosisOptions {
-  std::vector<std::string> without;  ///< excluded kinds of the catalogue, or names in verdicts
-  std::uint64_t seed = 1;            ///< of noise realisations and resampling
-  Progress::Show progress = {};      // NOLINT: called at every step
+  std::vector<std::string> without;       ///< excluded kinds of the catalogue, or names in verdicts
+  std::uint64_t seed = 1;                 ///< of noise realisations and resampling
+  DiagnosisProgress::Show progress = {};  // NOLINT: called at every step
 };
 
 /// Finds the physics that the simulation of a case left out.

@@ -80,7 +80,7 @@ struct Ablation {
 };
 
 /// Evidence for one candidate alone.
-struct Evidence {
+struct CandidateEvidence {
   std::string name, title;
   double gain = 0, low = 0, high = 0;  ///< log-likelihood per observation, 90 % bootstrap [nat]
 };
@@ -174,8 +174,8 @@ struct Verdict {
   Conclusion conclusion;
   Evaluation evaluation;
   std::vector<Ablation> ablation;
-  std::vector<Description> descriptions;  ///< best first
-  std::vector<Evidence> evidence;         ///< best first, of the first term
+  std::vector<Description> descriptions;    ///< best first
+  std::vector<CandidateEvidence> evidence;  ///< best first, of the first term
   ConsideredTerms terms;
   ProposedTest next;
   NoiseBasis noise;
