@@ -117,7 +117,7 @@ Case rubber_case(double relaxation_time) {
   return c;
 }
 
-TEST(NextTest, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
+TEST(TestProposal, SeparatesRelaxationFromDampingWhichOneFrequencyCannot) {
   constexpr double kRelaxationTime = 0.2;
   Case c = rubber_case(kRelaxationTime);
   // At one amplitude it looks like damping too.
@@ -155,7 +155,7 @@ Specimen guided(double load) {
 }
 
 // Under a load that is constant, such friction is Coulomb's.
-TEST(NextTest, SeparatesFrictionThatDependsOnTheLoadByAnotherLoad) {
+TEST(TestProposal, SeparatesFrictionThatDependsOnTheLoadByAnotherLoad) {
   constexpr double kLoad = 1e6;  // [N]
   Case c = rubber_case(0.2);
   const Channels channels{"displacement.long", "force.long", "N", 2e-7, 100};

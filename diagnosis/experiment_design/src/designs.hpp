@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <rths/experiment_design/next_test.hpp>
+#include <rths/experiment_design/proposal.hpp>
 #include <rths/identification/problem.hpp>
 
 namespace rths::diagnosis {

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/contains.hpp>
-#include <rths/experiment_design/next_test.hpp>
+#include <rths/experiment_design/proposal.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/identification/relation_findings.hpp>
@@ -145,7 +145,7 @@ Cause* cause_of(const SelectionRound& round, std::vector<Cause>& causes) {
 // Causes of all relations, those of the shown one first, with what separates each from its
 // alternatives.
 std::vector<Cause> causes_of(const AllFindings& all, const RelationFindings& shown,
-                             const NextTest& next) {
+                             const TestProposal& next) {
   std::vector<Cause> causes;
   for (const RelationFindings* found : in_order(all, shown)) append(causes_of(*found), causes);
   const auto& rounds = shown.selection.rounds;
@@ -162,7 +162,7 @@ std::vector<Cause> causes_of(const AllFindings& all, const RelationFindings& sho
 }
 
 // Causes that no known test separates from their alternatives.
-std::vector<std::string> inseparable_of(const NextTest& next, std::vector<Cause> causes) {
+std::vector<std::string> inseparable_of(const TestProposal& next, std::vector<Cause> causes) {
   std::vector<std::string> limits;
   for (const auto* round : next.inseparable)
     if (const Cause* cause = cause_of(*round, causes))
@@ -263,8 +263,8 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
   verdict.descriptions = descriptions_of(all, shown);
   verdict.terms = terms_of(all);
   progress.begin_stage("next test");
-  NextTest next =
-      next_test(all, c.model.kind == ModelKind::Bearing, ranking.outcome() == Outcome::Unknown);
+  TestProposal next =
+      propose_test(all, c.model.kind == ModelKind::Bearing, ranking.outcome() == Outcome::Unknown);
   auto causes = causes_of(all, shown, next);
   append(inseparable_of(next, causes), verdict.limits);
   verdict.next = {std::move(next.text), std::move(next.motion)};

@@ -8,7 +8,7 @@
 
 #include <rths/budget/budget.hpp>
 #include <rths/cases/case.hpp>
-#include <rths/experiment_design/next_test.hpp>
+#include <rths/experiment_design/proposal.hpp>
 #include <rths/identification/forms.hpp>
 #include <rths/identification/hypothesis.hpp>
 #include <rths/identification/intervals.hpp>

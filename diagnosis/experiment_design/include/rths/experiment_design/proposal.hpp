@@ -31,7 +31,7 @@ struct SeparatingTest {
 inline constexpr std::size_t kMostRivals = 3;
 
 /// The proposed next test.
-struct NextTest {
+struct TestProposal {
   std::string text;  ///< empty: none
   TestMotion motion;
   std::vector<SeparatingTest> separating;          ///< best test of each pair that a test separates
@@ -47,7 +47,7 @@ struct NextTest {
 /// the test that covers most evenly the state on which the residual depends.
 /// @param is_bearing  the specimen is a bearing, which the laboratory can remove
 /// @param is_unknown  no candidate is named that explains the residual
-[[nodiscard]] NextTest next_test(const std::vector<std::unique_ptr<RelationFindings>>& all,
-                                 bool is_bearing, bool is_unknown);
+[[nodiscard]] TestProposal propose_test(const std::vector<std::unique_ptr<RelationFindings>>& all,
+                                        bool is_bearing, bool is_unknown);
 
 }  // namespace rths::diagnosis

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/experiment_design/next_test.hpp>
+#include <rths/experiment_design/proposal.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -67,7 +67,7 @@ class Proposal {
       : found_{found}, tests_{*found.problem, is_removable(found, is_bearing)} {}
 
   // @returns whether some test separates at least one alternative
-  bool separate(std::size_t round, NextTest& next) const {
+  bool separate(std::size_t round, TestProposal& next) const {
     const auto tied = rivals_of(found_.selection.rounds[round]);
     Side chosen{found_, tests_, found_.selection.named};
     std::vector<Side> rivals;
@@ -88,7 +88,7 @@ class Proposal {
     return propose_best(gain, tried, round, tied, next);
   }
 
-  void cover(const Description& form, NextTest& next) const {
+  void cover(const Description& form, TestProposal& next) const {
     if (tests_.designs.empty()) return;
     if (repeat(form.form, next)) return;
     const auto best = widest(*found_.problem, tests_.problem, found_.selection.named, form.form);
@@ -100,7 +100,7 @@ class Proposal {
 
  private:
   // For residuals that depend on time alone: a test without motion, or the same test again.
-  bool repeat(const std::string& form, NextTest& next) const {
+  bool repeat(const std::string& form, TestProposal& next) const {
     const auto run = [&](const char* beginning, const std::string& why) {
       for (std::size_t test = 0; test < tests_.designs.size(); ++test) {
         if (!tests_.designs[test].text.starts_with(beginning)) continue;
@@ -149,7 +149,7 @@ class Proposal {
 
   // Adds the test that best separates a tied candidate.
   void add_best_test(const VectorXd& gain, const std::vector<std::size_t>& tried, std::size_t round,
-                     std::size_t tied, NextTest& next) const {
+                     std::size_t tied, TestProposal& next) const {
     Index best = 0;
     if (gain.size() == 0 || gain.maxCoeff(&best) < kSeparates) return;
     next.separating.push_back({&found_.selection.rounds[round], tied,
@@ -171,7 +171,7 @@ class Proposal {
   }
 
   bool propose_best(const MatrixXd& gain, const std::vector<std::size_t>& tried, std::size_t round,
-                    const std::vector<std::size_t>& tied, NextTest& next) const {
+                    const std::vector<std::size_t>& tied, TestProposal& next) const {
     const Index best = best_of(gain);
     if (best < 0) return false;
     if (!next.text.empty()) return true;
@@ -201,7 +201,7 @@ class Proposal {
     return is_double ? fmt::format("{} ({})", candidate.name, candidate.channel) : candidate.name;
   }
 
-  void take_motion(std::size_t test, NextTest& next) const {
+  void take_motion(std::size_t test, TestProposal& next) const {
     const Record& record = tests_.designs[test].record;
     const auto drivers = found_.relation->drivers();
     next.motion.time_step = record.time_step;
@@ -215,7 +215,7 @@ class Proposal {
   Tests tests_;
 };
 
-void separate_ties(const RelationFindings& found, bool is_bearing, NextTest& next) {
+void separate_ties(const RelationFindings& found, bool is_bearing, TestProposal& next) {
   std::unique_ptr<Proposal> proposal;
   for (std::size_t i = 0; i < found.selection.rounds.size(); ++i) {
     const SelectionRound& round = found.selection.rounds[i];
@@ -240,7 +240,7 @@ std::string unrecorded(const RelationFindings& found) {
 
 // Of several unknown relations, the verdict shows the last.
 void cover_unknown(const std::vector<std::unique_ptr<RelationFindings>>& all, bool is_bearing,
-                   NextTest& next) {
+                   TestProposal& next) {
   const auto found = std::find_if(all.rbegin(), all.rend(), [](const auto& one) {
     return one->is_unknown() && !one->descriptions.empty() &&
            one->descriptions[0].share > kLeastShareOfForm;
@@ -253,9 +253,9 @@ void cover_unknown(const std::vector<std::unique_ptr<RelationFindings>>& all, bo
 
 }  // namespace
 
-NextTest next_test(const std::vector<std::unique_ptr<RelationFindings>>& all, bool is_bearing,
-                   bool is_unknown) {
-  NextTest next;
+TestProposal propose_test(const std::vector<std::unique_ptr<RelationFindings>>& all,
+                          bool is_bearing, bool is_unknown) {
+  TestProposal next;
   if (is_unknown) cover_unknown(all, is_bearing, next);
   for (const auto& found : all) separate_ties(*found, is_bearing, next);
   return next;
