@@ -31,4 +31,7 @@ if(RTHS_SANITIZER)
   add_compile_options(-fsanitize=${RTHS_SANITIZER} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${RTHS_SANITIZER})
   add_compile_definitions(RTHS_SANITIZED)
+  if(RTHS_SANITIZER STREQUAL "thread")
+    add_compile_definitions(__SANITIZE_THREAD__=1)  # g++ defines it, clang does not
+  endif()
 endif()

@@ -8,6 +8,7 @@ The last line on standard output is "N passed, N failed". Standard library only.
 import argparse
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 
@@ -37,8 +38,9 @@ def options_of(arguments):
 
 
 def packages(*groups):
-    """Starts to install packages. At its end, an installation must not be left half done."""
-    return subprocess.Popen([TOP / "lab", "packages", *groups], cwd=TOP)
+    """Starts to install packages. An interrupted run must not leave an installation half done: it goes on to its end."""
+    return subprocess.Popen([TOP / "lab", "packages", *groups], cwd=TOP,
+                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN))
 
 
 def use_opensees():
@@ -92,9 +94,10 @@ def test_more(session):
 def test_sanitizers(session, is_full):
     os.environ.pop("RTHS_LONG", None)  # more repetitions of the same code would take hours
     session.stage("sources are formatted", checks.is_formatted)
+    options = ["-DRTHS_TESTS=ON", WITH_BENCHMARKS if is_full else WITHOUT_BENCHMARKS]
     for preset, name in (("asan", "address and undefined-behaviour sanitizers"), ("tsan", "thread sanitizer")):
         folder = TOP / "build" / preset
-        if session.stage(f"clang builds, with {name}", lambda: checks.build(preset, "rths_tested"), is_recalled=False):
+        if session.stage(f"clang builds, with {name}", lambda: checks.build(preset, "rths_tested", *options), is_recalled=False):
             tests = [test for test in runner.tests_of(folder) if not test.labels & {"realtime", "fixture", *([] if is_full else ["long"])}]
             session.suite(folder, tests, f"tests of '{preset}'")
             left_out = (folder / "not_run.txt").read_text().splitlines()
