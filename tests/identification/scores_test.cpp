@@ -92,17 +92,6 @@ TEST(ChangeOf, CountsOutputsOfDifferentUnitsAlike) {
     EXPECT_NEAR(change_in("m", size), 0.1 / std::sqrt(2), 1e-12);
 }
 
-TEST(Quantile, IsTheValueAtTheShareOfTheRank) {
-  std::vector<double> values(101);
-  std::iota(values.rbegin(), values.rend(), 0);
-
-  EXPECT_EQ(quantile(values, 0), 0);
-  EXPECT_EQ(quantile(values, 0.05), 5);
-  EXPECT_EQ(quantile(values, 0.5), 50);
-  EXPECT_EQ(quantile(values, 1), 100);
-  EXPECT_EQ(quantile({}, 0.5), 0);
-}
-
 TEST(Minus, IsAsLongAsTheShorter) {
   EXPECT_EQ(minus({5, 7, 9}, {1, 2}), (std::vector<double>{4, 5}));
   EXPECT_EQ(minus({}, {1, 2}), std::vector<double>{});

@@ -11,7 +11,7 @@
 namespace rths::maths {
 namespace {
 
-constexpr double kRounding = 1e-12;
+constexpr double kTransformRounding = 1e-12;
 
 Eigen::VectorXd signal_of_length(Eigen::Index length) {
   return Eigen::ArrayXd::LinSpaced(length, 0, 3).sin() + 0.25;
@@ -30,14 +30,14 @@ TEST_P(LengthOfTransform, GivesTheSumOfTheDefinition) {
     for (Eigen::Index n = 0; n < length; ++n)
       sum += x[n] * std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(k * n) /
                                         static_cast<double>(length));
-    EXPECT_NEAR(std::abs(found[k] - sum), 0, kRounding) << k;
+    EXPECT_NEAR(std::abs(found[k] - sum), 0, kTransformRounding) << k;
   }
 }
 
 TEST_P(LengthOfTransform, IsKeptByTheInverse) {
   const Eigen::VectorXd x = signal_of_length(GetParam());
 
-  EXPECT_NEAR((signal_of(spectrum(x)) - x).norm(), 0, kRounding);
+  EXPECT_NEAR((signal_of(spectrum(x)) - x).norm(), 0, kTransformRounding);
 }
 
 TEST_P(LengthOfTransform, HasHalfAsManyFrequenciesInAHalfSpectrum) {
@@ -57,9 +57,9 @@ TEST(FastLength, HasNoPrimeFactorAboveFive) {
 TEST(HannWindow, IsSymmetricOrPeriodicByItsShift) {
   const Eigen::VectorXd symmetric = hann_window(8, 0.5), periodic = hann_window(8, 0);
 
-  EXPECT_NEAR((symmetric - symmetric.reverse()).norm(), 0, kRounding);
+  EXPECT_NEAR((symmetric - symmetric.reverse()).norm(), 0, kTransformRounding);
   EXPECT_EQ(periodic[0], 0);
-  EXPECT_NEAR(periodic[4], 1, kRounding);
+  EXPECT_NEAR(periodic[4], 1, kTransformRounding);
 }
 
 }  // namespace

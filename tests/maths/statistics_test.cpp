@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <utility>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -45,6 +46,17 @@ TEST(Quantile, OfAHalfIsTheSmallerOfTheMiddleTwo) {
 TEST(Quantile, ReachesFromTheSmallestToTheLargestValue) {
   EXPECT_EQ(quantile({3, 1, 2}, 0), 1);
   EXPECT_EQ(quantile({3, 1, 2}, 1), 3);
+}
+
+TEST(Quantile, IsTheValueAtTheShareOfTheRank) {
+  std::vector<double> values(101);
+  std::iota(values.rbegin(), values.rend(), 0);
+
+  EXPECT_EQ(quantile(values, 0), 0);
+  EXPECT_EQ(quantile(values, 0.05), 5);
+  EXPECT_EQ(quantile(values, 0.5), 50);
+  EXPECT_EQ(quantile(values, 1), 100);
+  EXPECT_EQ(quantile({}, 0.5), 0);
 }
 
 }  // namespace
