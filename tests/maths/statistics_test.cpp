@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <utility>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
