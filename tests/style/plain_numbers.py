@@ -14,7 +14,7 @@ import sys
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
 # Programs of examples and benchmarks keep their own locale.
-FOLDERS = ("adapters", "algebra", "app", "broker", "commissioning", "controller", "core", "diagnosis", "launch", "memmap",
+FOLDERS = ("adapters", "app", "broker", "commissioning", "controller", "core", "diagnosis", "launch", "maths", "memmap",
            "python", "recording", "report", "sim", "testkit")
 FORBIDDEN = {
     r"\b(strto(d|f|ld)|sto(d|f|ld)|atof)\s*\(": "number_of",
