@@ -217,9 +217,9 @@ struct Plant {
   }
 };
 
-Identification::Properties identified(const Plant& plant, double noise) {
+SpecimenIdentification::Properties identified(const Plant& plant, double noise) {
   constexpr double kStep = 0.01, kLag = 0.06, kOffset = -8e6;
-  Identification identification{2, VectorXd::Constant(2, 1e-3), kStep};
+  SpecimenIdentification identification{2, VectorXd::Constant(2, 1e-3), kStep};
   std::mt19937 random{3};
   std::normal_distribution<double> normal;
   // The machine moves linearly between targets, through two first-order lags.
@@ -246,7 +246,7 @@ Identification::Properties identified(const Plant& plant, double noise) {
   return identification.properties();
 }
 
-TEST(Identification, FindsStiffnessDampingAndMassBehindALaggingMachine) {
+TEST(SpecimenIdentification, FindsStiffnessDampingAndMassBehindALaggingMachine) {
   const Plant plant;
   const auto found = identified(plant, 0);
   // Tolerances: the velocity has kinks at the targets, and start-up transients have not fully
@@ -256,14 +256,14 @@ TEST(Identification, FindsStiffnessDampingAndMassBehindALaggingMachine) {
   EXPECT_LT((found.mass - plant.mass).norm() / plant.mass.norm(), 0.03);
 }
 
-TEST(Identification, AveragesNoiseOut) {
+TEST(SpecimenIdentification, AveragesNoiseOut) {
   const Plant plant;
   const auto found = identified(plant, 1);
   EXPECT_LT((found.stiffness - plant.stiffness).norm() / plant.stiffness.norm(), 0.01);
 }
 
-TEST(Identification, ReportsThatNothingMoves) {
-  Identification identification{1, VectorXd::Constant(1, 1e-3), 0.01};
+TEST(SpecimenIdentification, ReportsThatNothingMoves) {
+  SpecimenIdentification identification{1, VectorXd::Constant(1, 1e-3), 0.01};
   while (!identification.is_done()) identification.measure(VectorXd::Zero(1), VectorXd::Zero(1));
   try {
     static_cast<void>(identification.properties());

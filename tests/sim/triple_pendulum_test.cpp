@@ -260,10 +260,10 @@ TEST(TriplePendulumSeries, ConvergesInAFewIterationsForAnyMotion) {
   const double dt = 1e-3;
   for (const double reduction : {0.0, 0.5})
     for (const double kick : {1.0, 4.0}) {
-      std::array<Segment<double>, kSegments> segments{
-          Segment<double>{1 / 0.8, 20, 0.02, reduction, 50 / dt, 0.18, 100},
-          Segment<double>{1 / 1.6, 60, 0.06, reduction, 125 / dt, 0.2, 100},
-          Segment<double>{1 / 1.6, 100, 0.10, reduction, 125 / dt, 0.2, 100}};
+      std::array<PendulumSegment<double>, kSegments> segments{
+          PendulumSegment<double>{1 / 0.8, 20, 0.02, reduction, 50 / dt, 0.18, 100},
+          PendulumSegment<double>{1 / 1.6, 60, 0.06, reduction, 125 / dt, 0.2, 100},
+          PendulumSegment<double>{1 / 1.6, 100, 0.10, reduction, 125 / dt, 0.2, 100}};
       std::mt19937_64 random{7};
       std::normal_distribution<double> normal;
       Plane<double> u, v;
