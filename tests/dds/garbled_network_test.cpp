@@ -289,7 +289,8 @@ kill $others $switch
 
   const auto ended =
       test::Running{{"/bin/sh", "-c",
-                     fmt::format("cd {} && exec unshare -m -n sh -c 'ip link set lo up; mount "
+                     fmt::format("cd {} && exec unshare -m -n -p --fork --kill-child --mount-proc "
+                                 "sh -c 'ip link set lo up; mount "
                                  "--make-rprivate /; exec bash test.sh'",
                                  folder.path().string())}}
           .wait(100);

@@ -166,6 +166,7 @@ def resumed_folder():
 
 
 def main():
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # started in the background, it would be ignored in all tests
     options = options_of(sys.argv[1:])
     session = Session(jobs=os.cpu_count() or 2)
     if options.folders:

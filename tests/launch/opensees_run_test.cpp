@@ -205,7 +205,9 @@ TEST_F(OpenSeesRun, EndsWhenOpenSeesTakesLeave) {
   EXPECT_EQ(reader.signal("monitor.opf.step").back(), 49);  // no motion in the first step
 }
 
-// The loop of many scripts: a step that does not converge is repeated in parts.
+// The loop of many scripts: a step that does not converge is repeated in parts. OpenSees returns to
+// the time before it with a trial that asks for no force; if the next one has not come yet, this is
+// a move of its own.
 TEST_F(OpenSeesRun, IsNotConclusiveIfAStepIsRepeatedInParts) {
   duration_ = 1;
   const auto finished = run(
@@ -213,10 +215,12 @@ TEST_F(OpenSeesRun, IsNotConclusiveIfAStepIsRepeatedInParts) {
       "virtual");
 
   EXPECT_EQ(finished.exit_code, 1) << finished.err;
-  EXPECT_NE(finished.out.find("1 go back, 4 advance it by less (parts of a step), "
-                              "expected each advances it by 0.01 s"),
-            std::string::npos)
-      << finished.out;
+  const auto tells = [&](const char* parts) {
+    return finished.out.find(fmt::format("1 go back, {} advance it by less (parts of a step), "
+                                         "expected each advances it by 0.01 s",
+                                         parts)) != std::string::npos;
+  };
+  EXPECT_TRUE(tells("4") || tells("5")) << finished.out;
 }
 
 // A script of strangers, where present.
