@@ -4,11 +4,14 @@
 #include <array>
 #include <atomic>
 #include <charconv>
+#include <chrono>
 #include <cstdlib>
+#include <future>
 #include <mutex>
 #include <optional>
 #include <random>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include <dds/dds.h>
@@ -27,6 +30,7 @@ namespace {
 
 constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
 constexpr dds_duration_t kLongestFarewell = DDS_MSECS(200);
+constexpr std::chrono::seconds kLongestLeave{3};
 // A host that died blocks the others for this long; one that was only stopped is found again.
 constexpr const char* kLease = "2 s";
 constexpr std::size_t kSamples = 16;        // taken at once
@@ -202,7 +206,7 @@ class CycloneCarrier final : public Carrier {
     is_leaving_ = true;
     dds_delete(writer_);  // wakes a sender that waits for others
     const std::lock_guard lock{sending_};
-    leave();
+    if (!leave()) return;  // tried again
     is_leaving_ = false;
     join();
   }
@@ -224,11 +228,25 @@ class CycloneCarrier final : public Carrier {
     }
   }
 
-  // Deletes all that Cyclone knows of other hosts: it belongs to the domain.
-  void leave() {
-    dds_delete(domain_ > 0 ? domain_ : participant_);
-    const std::lock_guard lock{mutex_};
-    domain_ = participant_ = participants_ = writer_ = reader_ = 0;
+  // Deletes all that Cyclone knows of other hosts: it belongs to the domain. Threads that receive
+  // end with a datagram to themselves, and while their interface is gone, not at all: they stay.
+  // @returns whether all is deleted
+  bool leave() {
+    if (!left_.valid()) {
+      dds_set_listener(reader_, nullptr);
+      std::packaged_task<void()> deletion{
+          [all = domain_ > 0 ? domain_ : participant_] { dds_delete(all); }};
+      left_ = deletion.get_future();
+      std::thread{std::move(deletion)}.detach();
+      const std::lock_guard lock{mutex_};
+      domain_ = participant_ = participants_ = writer_ = reader_ = 0;
+    }
+    if (left_.wait_for(kLongestLeave) != std::future_status::ready) {
+      write_message("rths: DDS cannot leave the network: its interface is gone\n");
+      return false;
+    }
+    left_ = {};
+    return true;
   }
 
   void create_participant() {
@@ -291,6 +309,7 @@ class CycloneCarrier final : public Carrier {
   }
 
   CycloneOptions options_;
+  std::future<void> left_;               ///< valid while Cyclone deletes the domain
   std::atomic<bool> is_leaving_{false};  ///< nothing is sent, so that no sender keeps the lock
   std::mutex sending_;                   ///< of the writer
   std::mutex mutex_;                     ///< of the handler and the reader
