@@ -141,7 +141,8 @@ TEST_F(ExperimentTest, ImprovesItsModelWithTheTermsOfADiagnosis) {
   // The laboratory is unchanged.
   EXPECT_EQ(e.machine.simulated.axes[0].effective_mass, 113'371);
   EXPECT_EQ(e.specimen.terms.size(), load_experiment(write()).specimen.terms.size() + 1);
-  EXPECT_EQ(e.machine.simulated.terms.size(), load_experiment(write()).machine.simulated.terms.size());
+  EXPECT_EQ(e.machine.simulated.terms.size(),
+            load_experiment(write()).machine.simulated.terms.size());
 }
 
 // A diagnosis writes a parameter with a value for each axis as a list.

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * OpenFresco's first step with control points of 34 signals on the map of the SRMD, which has 35: it
- * looks for switchPC in the word before it, without a deadline. */
+ * OpenFresco's first step with control points of 34 signals on the map of the SRMD, which has 35:
+ * it looks for switchPC in the word before it, without a deadline. */
 #include <scrplus.h>
 #include <unistd.h>
 

@@ -20,7 +20,8 @@ void refuse_nan(CLI::App& app);
 [[nodiscard]] std::vector<std::string> completions(const Program& program,
                                                    const std::vector<std::string>& words);
 
-/// The manual page of all commands, in the format of man(7). It is named as the program, with hyphens.
+/// The manual page of all commands, in the format of man(7). It is named as the program, with
+/// hyphens.
 [[nodiscard]] std::string manual_page(const CLI::App& app, const std::string& version);
 
 }  // namespace rths::app

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Modelled on the vendor's test of the bit error rate: in write-me-last, each packet is stored, goes
- * around the ring, is loaded and compared. Arguments: the number of packets; "pointer" to store and
- * load through the pointer, "blocks" for block calls. */
-#include <scrplus.h>
+ * Modelled on the vendor's test of the bit error rate: in write-me-last, each packet is stored,
+ * goes around the ring, is loaded and compared. Arguments: the number of packets; "pointer" to
+ * store and load through the pointer, "blocks" for block calls. */
 #include <sched.h>
+#include <scrplus.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,8 +47,10 @@ int main(int argc, char** argv) {
       scr_dma_read(received, OFFSET, sizeof received);
     for (i = 0; i < WORDS; ++i) {
       if (received[i] == now[i]) continue;
-      if (received[i] == before[i]) ++old;
-      else ++wrong;
+      if (received[i] == before[i])
+        ++old;
+      else
+        ++wrong;
     }
   }
   printf("%u packets, %u words wrong, %u words old, %u link errors\n", packets, wrong, old,

@@ -83,8 +83,7 @@ int main(int argc, char** argv) {
     random = random * 1664525u + 1013904223u;
     pattern[i] = random & ~0xFFu;
   }
-  for (i = 0; i < SEGMENT * SEGMENTS; ++i)
-    memory[COMMON + i] = pattern[i % SEGMENT + i / SEGMENT];
+  for (i = 0; i < SEGMENT * SEGMENTS; ++i) memory[COMMON + i] = pattern[i % SEGMENT + i / SEGMENT];
   for (i = 0; i < SEQUENCE; ++i) memory[SEQUENCES + self * SEQUENCE + i] = 0;
   random = (unsigned int)self;
   clock_gettime(CLOCK_MONOTONIC, &begin);
@@ -100,15 +99,18 @@ int main(int argc, char** argv) {
       const int is_new = seen[i] == 0;
       if (i == self || memory[REPORTS + i] == seen[i]) continue;
       seen[i] = memory[REPORTS + i];
-      if (is_new) ++others; /* the words of a sequence from before this member came are not here */
-      else check_sequence(i);
+      if (is_new)
+        ++others; /* the words of a sequence from before this member came are not here */
+      else
+        check_sequence(i);
     }
     for (i = 0; i < SEQUENCE; ++i) memory[SEQUENCES + self * SEQUENCE + i] = round;
     check_common(place, segment + offset, length, (round & 1) != 0 && length >= 32);
     for (i = 0; i < length; ++i)
       memory[place + i] = pattern[segment + offset + i + self] | (unsigned int)self;
     clock_gettime(CLOCK_MONOTONIC, &now);
-    if ((double)(now.tv_sec - begin.tv_sec) + 1e-9 * (double)(now.tv_nsec - begin.tv_nsec) > seconds)
+    if ((double)(now.tv_sec - begin.tv_sec) + 1e-9 * (double)(now.tv_nsec - begin.tv_nsec) >
+        seconds)
       break;
   }
   printf("%u rounds, %u checks, %d others, %u errors, %u link errors\n", round, checks, others,
