@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """`./lab test`, called by the script lab, which has installed the compiler and the libraries.
 
-    main.py [--full | --sanitizers | FOLDER…]
+    main.py [--full | --sanitizers] [FOLDER…]
 
 The last line on standard output is "N passed, N failed". Standard library only.
 """
@@ -91,14 +91,27 @@ def test_more(session):
 
 # --- sanitizers ---------------------------------------------------------------------------------------
 
-def test_sanitizers(session, is_full):
+def sanitized_targets(preset, options, folders):
+    """What a sanitizer builds: all, or the tests of these folders of tests/."""
+    if not folders:
+        return ["rths_tested"]
+    if not checks.quietly("cmake", "--preset", preset, *options):
+        say("configuring failed")
+        sys.exit(2)
+    lines = [line.split() for line in (TOP / "build" / preset / "tests.txt").read_text().splitlines()]
+    return [target for folder, target in lines if folder in folders]
+
+
+def test_sanitizers(session, is_full, folders=()):
     os.environ.pop("RTHS_LONG", None)  # more repetitions of the same code would take hours
     session.stage("sources are formatted", checks.is_formatted)
     options = ["-DRTHS_TESTS=ON", WITH_BENCHMARKS if is_full else WITHOUT_BENCHMARKS]
     for preset, name in (("asan", "address and undefined-behaviour sanitizers"), ("tsan", "thread sanitizer")):
         folder = TOP / "build" / preset
-        if session.stage(f"clang builds, with {name}", lambda: checks.build(preset, "rths_tested", *options), is_recalled=False):
+        targets = sanitized_targets(preset, options, folders)
+        if targets and session.stage(f"clang builds, with {name}", lambda: checks.build(preset, *targets, *options), is_recalled=False):
             tests = [test for test in runner.tests_of(folder) if not test.labels & {"realtime", "fixture", *([] if is_full else ["long"])}]
+            tests = tests_of_targets(tests, targets) if folders else tests
             session.suite(folder, tests, f"tests of '{preset}'")
             left_out = (folder / "not_run.txt").read_text().splitlines()
             session.skipped.append(f"tests of '{preset}': {len(left_out)} targets, for the reasons in {folder.relative_to(TOP)}/not_run.txt")
@@ -166,10 +179,13 @@ def resumed_folder():
 
 
 def main():
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # started in the background, it would be ignored in all tests
+    # Started in the background, all tests would ignore these.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    for each in (signal.SIGHUP, signal.SIGQUIT):
+        signal.signal(each, signal.SIG_DFL)
     options = options_of(sys.argv[1:])
     session = Session(jobs=os.cpu_count() or 2)
-    if options.folders:
+    if options.folders and not options.sanitizers:
         return test_folders(session, options.folders)
     if options.full:
         os.environ["RTHS_LONG"] = "1"
@@ -186,7 +202,7 @@ def main():
         if options.full or options.sanitizers:
             if waiting.wait() != 0:
                 session.fail("packages for the tests")
-            test_sanitizers(session, options.full)
+            test_sanitizers(session, options.full, options.folders)
         session.repeat_alone()
     finally:
         waiting.wait()
