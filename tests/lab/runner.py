@@ -66,7 +66,7 @@ def batches_of(tests, most=60):
     return sorted((part for part in parts if len(part) > 1), key=len, reverse=True)
 
 
-def run_batch(batch, folder, timeout=1800):
+def run_batch(batch, folder, timeout=600):
     """Results of a program's tests in one process. Those that it did not reach have none."""
     flags, output = folder / f"{batch[0].number}.flags", folder / f"{batch[0].number}.xml"
     flags.write_text("--gtest_filter=" + ":".join(test.filter for test in batch) + "\n")
