@@ -432,28 +432,5 @@ TEST_F(TwoHosts, NameAnInterfaceThatIsNotThere) {
   EXPECT_NE(ended.err.find("no_such_if"), std::string::npos) << ended.err;
 }
 
-// Receivers of DDS wait for a datagram that cannot come. Before the end, the host has tried to join
-// anew.
-TEST_F(TwoHosts, EndWhenTheirInterfaceIsGone) {
-  const memmap::Map map = test::small_map();
-  test::RingHost first{"first", map}, second{"second", map};
-  test::Running one{bridge(1, first.ring_name())}, two{bridge(2, second.ring_name())};
-  broker::Node machine = first.ring().join("machine", 0);
-  const broker::Node there = second.ring().observe();
-  ASSERT_EQ(machine.write(kMachineWord, 5), Status::Ok);
-  ASSERT_TRUE(comes_true([&] { return there.read(kMachineWord) == 5; }, std::chrono::seconds{20}));
-
-  test::Running remover{{"/bin/sh", "-c", network_.on(1) + "ip link del eth0"}};
-  ASSERT_EQ(remover.wait(10).exit_code, 0);
-  std::this_thread::sleep_for(std::chrono::seconds{6});
-  kill(one.pid(), SIGTERM);
-  kill(two.pid(), SIGTERM);
-
-  const auto ended = one.wait(20);
-  EXPECT_EQ(ended.exit_code, 0) << ended.err;
-  EXPECT_NE(ended.err.find("its interface is gone"), std::string::npos) << ended.err;
-  EXPECT_EQ(two.wait(20).exit_code, 0);
-}
-
 }  // namespace
 }  // namespace rths
