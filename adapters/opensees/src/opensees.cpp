@@ -42,6 +42,7 @@ class OpenSees final : public Adapter {
   }
   [[nodiscard]] std::string deadline_message() const;
   void begin_test(const StepData& step);
+  [[nodiscard]] bool is_move_due() const;
   void take_trials(const StepData& step);
   void check_first_move(std::size_t element, const Specimen::Command& command);
   void check_step(bool is_move);
@@ -217,12 +218,19 @@ void OpenSees::begin_test(const StepData& step) {
   has_begun_ = true;
 }
 
+// A trial may be withdrawn by the next one, as after a failed step. Only the request for a force
+// tells that none follows, so that a run in virtual time does not depend on when messages arrive.
+bool OpenSees::is_move_due() const {
+  return opensees_->all_trials_received() &&
+         (!settings_.stops_time || opensees_->has_open_request());
+}
+
 void OpenSees::exchange(const StepData& step) {
   for (;;) {
     opensees_->receive(specimens_);
     if (opensees_->disconnected() || !handshake_.is_ready()) return;
     if (opensees_->connected() && next_unidentified() != specimens_.end()) return;
-    if (opensees_->all_trials_received()) {
+    if (is_move_due()) {
       if (step.time < busy_until_) return;
       take_trials(step);
     }
