@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <rths/adapters/block_settings.hpp>
 #include <rths/commissioning/recorded.hpp>
+#include <rths/controller/inverse_lead.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/recording.hpp>
@@ -17,7 +17,7 @@
 namespace rths::commissioning {
 namespace {
 
-using adapters::kInverseCoefficients;
+using controller::kInverseCoefficients;
 using Terms = controller::InverseLead::Terms;
 
 constexpr double kMeanOfEnd = 1;  // [s]

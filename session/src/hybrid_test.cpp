@@ -5,9 +5,9 @@
 #include <cmath>
 #include <iterator>
 
-#include <rths/adapters/block_settings.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
+#include <rths/experiment/block_settings.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
 #include "recorded_gaps.hpp"
@@ -67,9 +67,10 @@ std::array<Value, 2> by_axis(const budget::HybridTest& test, const std::vector<V
 void read_command(const Config& block, budget::HybridTest& test) {
   const int substeps = test.command.substeps;
   const double substep = test.rate * test.integration_step / substeps;
-  test.command = adapters::predictor_corrector_settings(block);
+  test.command = experiment::predictor_corrector_settings(block);
   test.command.substeps = substeps;
-  test.sampling_delay = by_axis(test, adapters::sampling_delays(block, tested_axes(test), substep));
+  test.sampling_delay =
+      by_axis(test, experiment::sampling_delays(block, tested_axes(test), substep));
 }
 
 void read_block(const Config& block, budget::HybridTest& test) {
@@ -77,31 +78,31 @@ void read_block(const Config& block, budget::HybridTest& test) {
   const std::string type = block.text("type", "");
   if (type == "predictor_corrector") read_command(block, test);
   if (type == "target_force") {  // of the loop, which has both axes
-    test.target_force = adapters::target_force_settings(block, names_of(kHorizontal), test.period,
-                                                        test.rate * test.integration_step,
-                                                        &test.specimen_simulated);
+    test.target_force = experiment::target_force_settings(block, names_of(kHorizontal), test.period,
+                                                          test.rate * test.integration_step,
+                                                          &test.specimen_simulated);
     test.target_force_waits =
         block.table_or_empty("in").text("displacement", "").ends_with(".displacement");
   }
   if (type == "force_observer") {
-    const auto found = adapters::force_observer_settings(block, axes);
+    const auto found = experiment::force_observer_settings(block, axes);
     test.correction =
         loop::MachineForceCorrection{by_axis(test, found.machine), found.slope_samples};
   }
   if (type == "table_force_observer") {
-    const auto found = adapters::table_force_observer_settings(block, axes, test.period);
+    const auto found = experiment::table_force_observer_settings(block, axes, test.period);
     test.correction = loop::TableForceCorrection{by_axis(test, found.machine), found.observer};
   }
 }
 
 std::vector<Config> read_diagram(const NodePlan& plan, budget::HybridTest& test) {
-  const auto choice = adapters::read_diagram_choice(plan.table);
+  const auto choice = experiment::read_diagram_choice(plan.table);
   const Config diagram = Config::load(choice.diagram);
   const double substeps = static_cast<double>(diagram.integer("substeps", 1));
   test.period = to_seconds(plan.schedule.period);
   test.command.substeps =
       static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
-  auto blocks = adapters::blocks_of(diagram, choice.constants, choice.blocks);
+  auto blocks = experiment::blocks_of(diagram, choice.constants, choice.blocks);
   std::erase_if(blocks, [](const Config& block) {
     return block.flag("single", false);  // of the vertical force
   });
@@ -143,13 +144,13 @@ std::vector<budget::Lead> lead_of(const Recorded& by, const std::string& axis) {
 budget::SentInverse inverse_of(const Recorded& by, const Config& block, std::size_t axis,
                                double period) {
   const auto settings =
-      adapters::adaptive_inverse_settings(block, {name_of(kHorizontal[axis])}, period).front();
+      experiment::adaptive_inverse_settings(block, {name_of(kHorizontal[axis])}, period).front();
   const auto initial = controller::InverseLead::vector_of(settings.initial);
   budget::SentInverse sent{settings, {}};
   sent.coefficients.assign(by.ticks.count(), initial);
   for (Eigen::Index i = 0; i < initial.size(); ++i) {
     const std::string output =
-        std::string{adapters::kInverseCoefficients[i].output} + "." + name_of(kHorizontal[axis]);
+        std::string{controller::kInverseCoefficients[i].output} + "." + name_of(kHorizontal[axis]);
     const auto values =
         ticks_or(by.run, by.ticks, by.monitor(block.text("name"), output), initial[i]);
     for (std::size_t tick = 0; tick < values.size(); ++tick)

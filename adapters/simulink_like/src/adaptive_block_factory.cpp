@@ -2,7 +2,7 @@
 //
 // Builds the blocks of adaptive inverse, table force observer and target force from [[block]]
 // tables.
-#include <rths/adapters/block_settings.hpp>
+#include <rths/experiment/block_settings.hpp>
 
 #include "block_tables.hpp"
 
@@ -10,7 +10,8 @@ namespace rths::adapters {
 
 Block make_adaptive_inverse(const Config& table, const BlockContext& context) {
   AdaptiveInverseBlock block_kind{{}, Fade{context.period / kFadeTime}, context.period};
-  for (const auto& settings : adaptive_inverse_settings(table, context.run.axes, context.period))
+  for (const auto& settings :
+       experiment::adaptive_inverse_settings(table, context.run.axes, context.period))
     block_kind.compensators.push_back(
         table.placed("name", [&] { return controller::AdaptiveInverse{settings}; }));
   Block block;
@@ -38,7 +39,8 @@ Block make_adaptive_inverse(const Config& table, const BlockContext& context) {
 }
 
 Block make_table_force_observer(const Config& table, const BlockContext& context) {
-  const auto settings = table_force_observer_settings(table, context.run.axes, context.period);
+  const auto settings =
+      experiment::table_force_observer_settings(table, context.run.axes, context.period);
   TableForceObserverBlock observer;
   for (const auto& machine : settings.machine)
     observer.observers.push_back(table.placed("name", [&] {
@@ -62,8 +64,8 @@ Block make_table_force_observer(const Config& table, const BlockContext& context
 Block make_target_force(const Config& table, const BlockContext& context) {
   const Config inputs = table.table_or_empty("in");
   const auto settings =
-      target_force_settings(table, context.run.axes, context.period, context.run.simulation_step,
-                            context.run.specimen.get());
+      experiment::target_force_settings(table, context.run.axes, context.period,
+                                        context.run.simulation_step, context.run.specimen.get());
   for (const char* input : {"command", "command_velocity", "command_acceleration"})
     if (settings.lead_time > 0 && !inputs.has(input))
       table.fail("lead_time_s", std::string{"lead_time_s needs the input '"} + input + "'");

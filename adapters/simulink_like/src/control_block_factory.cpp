@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/block_settings.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
+#include <rths/experiment/block_settings.hpp>
 
 #include "block_tables.hpp"
 
@@ -20,7 +20,7 @@ constexpr std::pair<double, double> kLead{-1, 1};  // far beyond a machine's del
 // Warns of a delay that is long, and refuses one that is too long.
 std::vector<int> read_sampling_delays(const Config& table, const BlockContext& context,
                                       const controller::PredictorCorrectorSettings& settings) {
-  auto delays = sampling_delays(table, context.run.axes, context.period);
+  auto delays = experiment::sampling_delays(table, context.run.axes, context.period);
   for (const int delay : delays) {
     const double ratio = static_cast<double>(delay) / settings.substeps;
     switch (controller::judge_delay(delay, settings)) {
@@ -56,7 +56,7 @@ std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext&
   if (values.size() <= 3) return std::vector(context.axes(), three(table, "initial", otherwise));
   std::vector<Eigen::Vector3d> starts;
   for (const auto& axis : context.run.axes) {
-    const std::size_t at = 3 * index_of_axis(axis);
+    const std::size_t at = 3 * experiment::index_of_axis(axis);
     if (values.size() % 3 != 0 || at >= values.size())
       table.fail("initial", fmt::format("initial has {} numbers, expected three, or three for each "
                                         "axis to '{}'",
@@ -70,7 +70,7 @@ std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext&
 
 std::vector<double> per_axis(const Config& table, const std::string& key,
                              const BlockContext& context, double otherwise) {
-  return per_axis(table, key, context.run.axes, otherwise);
+  return experiment::per_axis(table, key, context.run.axes, otherwise);
 }
 
 void add_parameter(Block& block, const Config& table, const std::string& name,
@@ -79,7 +79,7 @@ void add_parameter(Block& block, const Config& table, const std::string& name,
 }
 
 Block make_predictor_corrector(const Config& table, const BlockContext& context) {
-  auto settings = predictor_corrector_settings(table);
+  auto settings = experiment::predictor_corrector_settings(table);
   const bool is_single = table.flag("single", false);
   const std::string unit = table.text("unit", "m");
   if (unit != "m" && unit != "N")
@@ -174,7 +174,7 @@ Block make_feed_forward(const Config& table, const BlockContext& context) {
 }
 
 Block make_force_observer(const Config& table, const BlockContext& context) {
-  const auto settings = force_observer_settings(table, context.run.axes);
+  const auto settings = experiment::force_observer_settings(table, context.run.axes);
   ForceObserverBlock observer;
   for (const auto& machine : settings.machine)
     observer.observers.emplace_back(machine, context.period, settings.slope_samples);

@@ -42,7 +42,7 @@ Diagram::Diagram(const Config& file, const DiagramContext& context) : context_{c
   period_ = 1 / file.number_in("base_rate_Hz", 1, 100'000);
   substeps_ = static_cast<int>(file.integer_in("substeps", 1, kMostSubsteps, 1));
   std::set<std::string> names;
-  for (const auto& table : blocks_of(file, context_.constants, context_.blocks)) {
+  for (const auto& table : experiment::blocks_of(file, context_.constants, context_.blocks)) {
     blocks_.push_back({make_block(table, context_, period_, substeps_), {}, {}, {}});
     if (!names.insert(blocks_.back().block.name).second)
       table.fail("name", fmt::format("there are two blocks '{}'", blocks_.back().block.name));

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include <rths/adapters/block_settings.hpp>
 #include <rths/core/file.hpp>
+#include <rths/experiment/block_settings.hpp>
 #include <rths/experiment/experiment.hpp>
 
 #include "diagram.hpp"

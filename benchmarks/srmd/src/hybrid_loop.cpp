@@ -5,10 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include <rths/adapters/block_settings.hpp>
 #include <rths/controller/adaptive_inverse.hpp>
 #include <rths/controller/ats.hpp>
 #include <rths/core/axis.hpp>
+#include <rths/experiment/block_settings.hpp>
 #include <rths/loop/closed_loop.hpp>
 #include <rths/loop/perfect_machine.hpp>
 
@@ -170,16 +170,16 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
                               const sim::Bearing& bearing, const Config& constants) {
   const auto axes = names_of(kHorizontal);
   const auto observer =
-      adapters::table_force_observer_settings(constants.table("observer"), axes, kPeriod);
-  auto inverse = adapters::adaptive_inverse_settings(constants.table("inverse"), axes, kPeriod);
+      experiment::table_force_observer_settings(constants.table("observer"), axes, kPeriod);
+  auto inverse = experiment::adaptive_inverse_settings(constants.table("inverse"), axes, kPeriod);
   for (std::size_t axis = 0; axis < inverse.size(); ++axis) {
     const auto i = static_cast<Eigen::Index>(axis);
     inverse[axis].force_capacity = nominal.limits.force[i];
     inverse[axis].effective_mass = nominal.mass[i];
     inverse[axis].largest_reference = nominal.limits.stroke[i];
   }
-  auto target_force = adapters::target_force_settings(constants.table("target_force"), axes,
-                                                      kPeriod, kIntegrationStep, &bearing);
+  auto target_force = experiment::target_force_settings(constants.table("target_force"), axes,
+                                                        kPeriod, kIntegrationStep, &bearing);
   return {
       "inverse",
       0,

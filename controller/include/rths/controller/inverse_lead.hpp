@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <iterator>
 #include <limits>
 
 #include <Eigen/Core>
@@ -28,6 +29,23 @@ struct InverseCoefficients {
   double flow_loss = 0.0488;  ///< k_q: a loaded valve passes less oil [s]
 };
 
+/// A coefficient by its names in a block diagram.
+struct InverseCoefficient {
+  const char* output;  ///< of a block `adaptive_inverse`
+  const char* key;     ///< of the block's table
+  double InverseCoefficients::*value;
+};
+/// In the order of the terms of an InverseLead.
+inline constexpr InverseCoefficient kInverseCoefficients[] = {
+    {"a0", "a0", &InverseCoefficients::a0},
+    {"a1", "a1_s", &InverseCoefficients::a1},
+    {"a2", "a2_s2", &InverseCoefficients::a2},
+    {"a3", "a3_s3", &InverseCoefficients::a3},
+    {"load", "load_m_per_N", &InverseCoefficients::load},
+    {"load_rate", "load_rate_m_s_per_N", &InverseCoefficients::load_rate},
+    {"dead_band", "dead_band_m", &InverseCoefficients::dead_band},
+    {"flow_loss", "flow_loss_s", &InverseCoefficients::flow_loss}};
+
 struct InverseLeadSettings {
   double period = 1e-3;           ///< of the controller [s]
   double a4 = 1e-7;               ///< [s⁴]
@@ -48,7 +66,7 @@ struct InverseLeadSettings {
 /// path: a target that slows down has the reference that it would have at full pace, later.
 class InverseLead {
  public:
-  static constexpr int kTerms = 8;  ///< with a coefficient of their own
+  static constexpr int kTerms = std::size(kInverseCoefficients);
   using Terms = Eigen::Matrix<double, kTerms, 1>;
 
   /// The coefficients in the order of the terms.

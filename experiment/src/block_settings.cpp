@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/block_settings.hpp>
+#include <rths/experiment/block_settings.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include <fmt/format.h>
 
@@ -11,7 +10,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 
-namespace rths::adapters {
+namespace rths::experiment {
 namespace {
 
 struct Range {
@@ -45,7 +44,7 @@ std::vector<controller::InverseCoefficients> read_coefficients(
     const Config& table, const std::string& prefix, const std::vector<std::string>& axes,
     const controller::InverseCoefficients& otherwise) {
   std::vector<controller::InverseCoefficients> found(axes.size(), otherwise);
-  for (const auto& [output, key, value] : kInverseCoefficients) {
+  for (const auto& [output, key, value] : controller::kInverseCoefficients) {
     const auto values = per_axis(table, prefix + key, axes, otherwise.*value);
     for (std::size_t i = 0; i < axes.size(); ++i) found[i].*value = values[i];
   }
@@ -224,4 +223,4 @@ std::vector<Config> blocks_of(const Config& diagram, const std::filesystem::path
   return blocks;
 }
 
-}  // namespace rths::adapters
+}  // namespace rths::experiment

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <iterator>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,7 @@
 #include <rths/core/config.hpp>
 #include <rths/sim/bearing.hpp>
 
-namespace rths::adapters {
+namespace rths::experiment {
 
 /// The diagram that a node runs, and the values that replace those of its blocks.
 struct DiagramChoice {
@@ -50,24 +49,6 @@ struct DiagramChoice {
 /// @param period  of a substep [s]   @throws Error with the key's place   @setup
 [[nodiscard]] std::vector<int> sampling_delays(const Config& table,
                                                const std::vector<std::string>& axes, double period);
-
-/// A coefficient of a block `adaptive_inverse`.
-struct InverseCoefficient {
-  const char* output;  ///< of the block
-  const char* key;     ///< of the block's table
-  double controller::InverseCoefficients::*value;
-};
-/// In the order of the terms of an InverseLead.
-inline constexpr InverseCoefficient kInverseCoefficients[] = {
-    {"a0", "a0", &controller::InverseCoefficients::a0},
-    {"a1", "a1_s", &controller::InverseCoefficients::a1},
-    {"a2", "a2_s2", &controller::InverseCoefficients::a2},
-    {"a3", "a3_s3", &controller::InverseCoefficients::a3},
-    {"load", "load_m_per_N", &controller::InverseCoefficients::load},
-    {"load_rate", "load_rate_m_s_per_N", &controller::InverseCoefficients::load_rate},
-    {"dead_band", "dead_band_m", &controller::InverseCoefficients::dead_band},
-    {"flow_loss", "flow_loss_s", &controller::InverseCoefficients::flow_loss}};
-static_assert(std::size(kInverseCoefficients) == controller::InverseLead::kTerms);
 
 /// Of a block `adaptive_inverse`, one per axis.
 /// @param period  of the block [s]   @throws Error with the place of a wrong value   @setup
@@ -107,4 +88,4 @@ struct TableForceObserverSettings {
                                                         const std::vector<std::string>& axes,
                                                         double period);
 
-}  // namespace rths::adapters
+}  // namespace rths::experiment

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/block_settings.hpp>
+#include <rths/experiment/block_settings.hpp>
 
 #include <limits>
 
 #include <gtest/gtest.h>
 
-namespace rths::adapters {
+namespace rths::experiment {
 namespace {
 
 constexpr double kAxialLoad = 9.7e6, kPeriod = 1e-3;  // [N], [s]
@@ -44,4 +44,4 @@ TEST(AssumedSpecimen, BearsTheGivenLoad) {
 }
 
 }  // namespace
-}  // namespace rths::adapters
+}  // namespace rths::experiment

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/adapters/block_settings.hpp>
+#include <rths/experiment/block_settings.hpp>
 
 #include <cmath>
 #include <utility>
 
 #include <rths/core/axis.hpp>
 
-namespace rths::adapters {
+namespace rths::experiment {
 namespace {
 
 /// A bearing along some of its axes.
@@ -55,4 +55,4 @@ controller::MakeSpecimen assumed_specimen(const sim::Bearing& bearing,
   };
 }
 
-}  // namespace rths::adapters
+}  // namespace rths::experiment
