@@ -5,41 +5,40 @@
 #include <cmath>
 #include <iterator>
 
-#include <rths/budget/transfer_system.hpp>
 #include <rths/identification/least_squares.hpp>
+#include <rths/sim/axis_transfer.hpp>
 
 namespace rths::benchmarks {
 
 /// Parameters of a transfer system as `budget::identify_transfer` fits them.
 struct Fitted {
-  double budget::AxisTransfer::*member;
+  double sim::AxisTransfer::*member;
   double start, low, high, scale;
 };
-inline constexpr Fitted kFitted[] = {
-    {&budget::AxisTransfer::gain, 24, 1, 500, 20},
-    {&budget::AxisTransfer::transport_delay, 0.006, 0, 0.1, 0.002},
-    {&budget::AxisTransfer::valve_frequency, 15, 1, 100, 10},
-    {&budget::AxisTransfer::valve_damping, 0.7, 0.1, 5, 1},
-    {&budget::AxisTransfer::dead_band, 1e-4, 0, 0.02, 5e-4},
-    {&budget::AxisTransfer::pressure_feedback, 1e-9, 0, 1e-6, 1e-8},
-    {&budget::AxisTransfer::pressure_washout, 0.3, 0, 20, 1},
-    {&budget::AxisTransfer::compliance, 1e-9, 1e-11, 1e-7, 1e-9},
-    {&budget::AxisTransfer::supply_force, 8e6, 1e3, 1e9, 1e7},
-    {&budget::AxisTransfer::leakage, 1e-11, 0, 1e-6, 1e-9}};
+inline constexpr Fitted kFitted[] = {{&sim::AxisTransfer::gain, 24, 1, 500, 20},
+                                     {&sim::AxisTransfer::transport_delay, 0.006, 0, 0.1, 0.002},
+                                     {&sim::AxisTransfer::valve_frequency, 15, 1, 100, 10},
+                                     {&sim::AxisTransfer::valve_damping, 0.7, 0.1, 5, 1},
+                                     {&sim::AxisTransfer::dead_band, 1e-4, 0, 0.02, 5e-4},
+                                     {&sim::AxisTransfer::pressure_feedback, 1e-9, 0, 1e-6, 1e-8},
+                                     {&sim::AxisTransfer::pressure_washout, 0.3, 0, 20, 1},
+                                     {&sim::AxisTransfer::compliance, 1e-9, 1e-11, 1e-7, 1e-9},
+                                     {&sim::AxisTransfer::supply_force, 8e6, 1e3, 1e9, 1e7},
+                                     {&sim::AxisTransfer::leakage, 1e-11, 0, 1e-6, 1e-9}};
 
-inline bool residual_at(const budget::TransferRecord& record, const Eigen::VectorXd& parameters,
+inline bool residual_at(const sim::TransferRecord& record, const Eigen::VectorXd& parameters,
                         Eigen::VectorXd& residual) {
-  budget::AxisTransfer system;
+  sim::AxisTransfer system;
   for (std::size_t i = 0; i < std::size(kFitted); ++i)
     system.*kFitted[i].member = parameters[static_cast<Eigen::Index>(i)];
-  const auto x = budget::predicted(system, record);
+  const auto x = sim::predicted(system, record);
   residual.resize(static_cast<Eigen::Index>(x.size()));
   for (std::size_t i = 0; i < x.size(); ++i)
     residual[static_cast<Eigen::Index>(i)] = 1e4 * (record.displacement[i] - x[i]);  // 0.1 mm
   return residual.allFinite();
 }
 
-inline diagnosis::FitProblem transfer_problem(const budget::TransferRecord& record) {
+inline diagnosis::FitProblem transfer_problem(const sim::TransferRecord& record) {
   constexpr auto kCount = static_cast<Eigen::Index>(std::size(kFitted));
   diagnosis::FitProblem problem;
   problem.rows = static_cast<Eigen::Index>(record.displacement.size());

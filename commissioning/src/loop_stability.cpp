@@ -61,8 +61,8 @@ double bisected(double low, double high, Unstable is_unstable) {
 
 }  // namespace
 
-std::complex<double> transfer_at(const budget::AxisTransfer& machine,
-                                 std::complex<double> stiffness, double mass, double omega) {
+std::complex<double> transfer_at(const sim::AxisTransfer& machine, std::complex<double> stiffness,
+                                 double mass, double omega) {
   const Complex s = kI * omega;
   const double valve = 2 * std::numbers::pi * machine.valve_frequency;
   const Complex spool =
@@ -93,9 +93,8 @@ std::complex<double> describing_function(const sim::Bearing& bearing, double amp
   return force / motion;
 }
 
-HybridLoop::HybridLoop(const sim::PlantMatrices& plant, int axis,
-                       const budget::AxisTransfer& machine, double mass, const LinearLead& lead,
-                       double extra_delay, double rate)
+HybridLoop::HybridLoop(const sim::PlantMatrices& plant, int axis, const sim::AxisTransfer& machine,
+                       double mass, const LinearLead& lead, double extra_delay, double rate)
     : omega_{frequencies()},
       flexibility_{flexibility_of(plant, axis, omega_)},
       machine_{machine},

@@ -153,7 +153,7 @@ Json evidence_json(const diagnosis::CandidateEvidence& evidence) {
           {"ci90", interval({evidence.low, evidence.high})}};
 }
 
-Json transfer_json(const budget::AxisTransfer& transfer) {
+Json transfer_json(const sim::AxisTransfer& transfer) {
   Json parameters = Json::object();
   for (const auto& p : transfer.parameters)
     parameters[p.name] = {{"value", number(p.value)},

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include <rths/budget/transfer_system.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/experiment/block_settings.hpp>
@@ -240,12 +241,12 @@ std::array<std::vector<double>, 2> fed_force_of(const Experiment& experiment, co
   return force;
 }
 
-budget::TransferRecord transfer_record_of(const Roles& roles, const Reader& run,
-                                          const std::string& axis, const loop::TickOrder& order) {
+sim::TransferRecord transfer_record_of(const Roles& roles, const Reader& run,
+                                       const std::string& axis, const loop::TickOrder& order) {
   const AxisRoles* words = axis_of(roles, axis);
   if (words == nullptr) throw Error{"the run does not test the axis '" + axis + "'"};
   const NodeTicks ticks{run, roles.machine};
-  budget::TransferRecord record;
+  sim::TransferRecord record;
   record.period = ticks.interval();
   record.reference = ticks.values(words->reference_echo);
   // A machine that is late makes its missed ticks at once, between two rows of the recording.
@@ -277,7 +278,7 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
                 ": the targets carry rates, which a mismatch budget does not repeat"};
   test.specimen_identified = improved.model.bearing;
   test.machine_identified = improved.model.machine;
-  std::array<budget::TransferRecord, 2> records;
+  std::array<sim::TransferRecord, 2> records;
   for (std::size_t i = 0; i < 2; ++i)
     if (test.tested[i])
       records[i] =

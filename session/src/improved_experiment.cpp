@@ -29,7 +29,7 @@ void put_hydraulics(const budget::MismatchBudget& found, Config& machine) {
   auto axes = experiment::read_machine(machine).axes;
   for (const auto& axis : found.axes) {
     auto& one = axes[index_of(axis.axis)];
-    one = budget::servo_axis(axis.transfer, one);
+    one = sim::servo_axis(axis.transfer, one);
   }
   for (const auto& [key, member] : experiment::machine_keys())
     machine.put(key, std::vector<double>{axes[0].*member, axes[1].*member});

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <rths/budget/transfer_system.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/maths/statistics.hpp>
@@ -283,7 +284,7 @@ class Steps {
     closed.machine.simulated.seed = experiment_.machine.simulated.seed;
     for (const auto& axis : result_.axes) {
       auto& servo = closed.machine.simulated.axes[index_of(*axis_named(axis.name))];
-      servo = budget::servo_axis(axis.machine, servo);
+      servo = sim::servo_axis(axis.machine, servo);
     }
     return closed;
   }

@@ -13,6 +13,9 @@
 namespace rths::budget {
 namespace {
 
+using sim::AxisTransfer;
+using sim::TransferRecord;
+
 constexpr double kPeriod = 0.001;
 
 // Sines up to 5 Hz of rising and falling amplitude, about 100 mm.

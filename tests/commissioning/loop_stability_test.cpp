@@ -139,7 +139,7 @@ presliding_m = 1e-6
 }
 
 TEST(MachineTransfer, HasTheLagOfThePositionLoopAndYieldsToItsSpecimen) {
-  budget::AxisTransfer machine;
+  sim::AxisTransfer machine;
   machine.transport_delay = 0.004;
   const double w = 0.1;
   const auto bare = transfer_at(machine, 0, 0, w);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/budget/shapley.hpp>
+#include <rths/budget/transfer_system.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
@@ -103,9 +104,9 @@ double total(const MismatchBudget& budget, std::size_t part) {
 const char* name_of(Part part) { return kPartNames[static_cast<unsigned>(part)]; }
 
 MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
-                               const std::array<TransferRecord, 2>& records,
+                               const std::array<sim::TransferRecord, 2>& records,
                                const std::array<std::vector<double>, 2>& force) {
-  std::array<AxisTransfer, 2> systems;
+  std::array<sim::AxisTransfer, 2> systems;
   for (std::size_t axis = 0; axis < 2; ++axis)
     if (test.tested[axis]) {
       systems[axis] = identify_transfer(records[axis]);

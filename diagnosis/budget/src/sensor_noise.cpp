@@ -54,7 +54,7 @@ std::vector<double> noise_of(const std::vector<double>& signal, std::size_t reac
 }
 
 std::array<MeasuredNoise, 2> sensor_noise(const HybridTest& test,
-                                          const std::array<TransferRecord, 2>& records) {
+                                          const std::array<sim::TransferRecord, 2>& records) {
   platen::ServoTransfer laboratory{test, test.machine_identified, test.specimen_identified};
   platen::Sensors sensors{test.machine_identified, test.period};
   platen::Platen motion;

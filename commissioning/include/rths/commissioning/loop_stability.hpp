@@ -5,7 +5,7 @@
 #include <complex>
 #include <vector>
 
-#include <rths/budget/transfer_system.hpp>
+#include <rths/sim/axis_transfer.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/isolated_plant.hpp>
 
@@ -29,7 +29,7 @@ class HybridLoop {
   /// @param machine  identified   @param mass  of the platen [kg]
   /// @param extra_delay  of the controller [s]
   /// @param rate  wall time over model time   @setup
-  HybridLoop(const sim::PlantMatrices& plant, int axis, const budget::AxisTransfer& machine,
+  HybridLoop(const sim::PlantMatrices& plant, int axis, const sim::AxisTransfer& machine,
              double mass, const LinearLead& lead, double extra_delay, double rate);
 
   /// A loop with a stated flexibility H [m/N] at frequencies of the model time [rad/s] that rise,
@@ -60,7 +60,7 @@ class HybridLoop {
 
   std::vector<double> omega_;
   std::vector<std::complex<double>> flexibility_, given_transfer_;
-  budget::AxisTransfer machine_;
+  sim::AxisTransfer machine_;
   double mass_ = 0, extra_delay_ = 0, rate_ = 1;
   LinearLead lead_;
 };
@@ -73,7 +73,7 @@ class HybridLoop {
 /// Transfer function of a machine that carries a specimen: displacement over reference.
 /// @param stiffness  of the specimen [N/m]   @param mass  of the platen [kg]
 /// @param omega  [rad/s]   @setup
-[[nodiscard]] std::complex<double> transfer_at(const budget::AxisTransfer& machine,
+[[nodiscard]] std::complex<double> transfer_at(const sim::AxisTransfer& machine,
                                                std::complex<double> stiffness, double mass,
                                                double omega);
 

@@ -36,10 +36,10 @@ using experiment::Experiment;
 /// Signals of one axis of the machine of a run.
 /// @param axis  "long" or "lat"
 /// @param order  of the ticks of the run   @throws Error if the recording lacks a signal   @setup
-[[nodiscard]] budget::TransferRecord transfer_record_of(const recording::Roles& roles,
-                                                        const recording::Reader& run,
-                                                        const std::string& axis,
-                                                        const loop::TickOrder& order);
+[[nodiscard]] sim::TransferRecord transfer_record_of(const recording::Roles& roles,
+                                                     const recording::Reader& run,
+                                                     const std::string& axis,
+                                                     const loop::TickOrder& order);
 
 /// The mismatch budget of a run. Its transfer system is identified from the recording.
 /// @param improved  the experiment with the improvements of a diagnosis: its model holds specimen

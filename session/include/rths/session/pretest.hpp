@@ -28,10 +28,10 @@ struct PretestSettings {
 
 /// Prediction for one axis.
 struct AxisPrediction {
-  std::string name;              ///< "long", "lat"
-  budget::AxisTransfer machine;  ///< identified
-  double machine_delay = 0;      ///< of its displacement behind its reference [s]
-  double peak = 0;               ///< of the purely numerical response [m]
+  std::string name;           ///< "long", "lat"
+  sim::AxisTransfer machine;  ///< identified
+  double machine_delay = 0;   ///< of its displacement behind its reference [s]
+  double peak = 0;            ///< of the purely numerical response [m]
   std::vector<commissioning::AmplitudeMargin>
       margins;                      ///< by rising amplitude, up to the peak; empty: unknown
   double ringing = 0;               ///< largest amplitude at which the loop is unstable [m]

@@ -7,15 +7,15 @@
 #include <vector>
 
 #include <rths/budget/closed_loop.hpp>
-#include <rths/budget/transfer_system.hpp>
 #include <rths/core/axis.hpp>
+#include <rths/sim/axis_transfer.hpp>
 
 namespace rths::budget {
 
 /// The mismatch of one axis: difference between the response of the test and of its simulation.
 struct AxisBudget {
   Axis axis = Axis::Long;
-  AxisTransfer transfer;          ///< as identified
+  sim::AxisTransfer transfer;     ///< as identified
   std::vector<double> measured;   ///< targets of the test, by integration step [m]
   std::vector<double> simulated;  ///< every part as simulated [m]
   std::vector<double> improved;   ///< every part as identified [m]
@@ -53,7 +53,7 @@ struct MismatchBudget {
 /// @param force  fed to the integrator of the test, by integration step [N]
 /// @throws Error if a closed loop diverges, or as `closed_loop` and `identify_transfer` do   @setup
 [[nodiscard]] MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
-                                             const std::array<TransferRecord, 2>& records,
+                                             const std::array<sim::TransferRecord, 2>& records,
                                              const std::array<std::vector<double>, 2>& force);
 
 /// Whether the identified transfer system describes the motion: its error on unseen motion is at

@@ -9,12 +9,12 @@
 
 #include <Eigen/Core>
 
-#include <rths/budget/transfer_system.hpp>
 #include <rths/controller/inverse_lead.hpp>
 #include <rths/controller/predictor_corrector.hpp>
 #include <rths/controller/target_force.hpp>
 #include <rths/loop/force_feedback.hpp>
 #include <rths/loop/tick_order.hpp>
+#include <rths/sim/axis_transfer.hpp>
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/test_machine.hpp>
@@ -114,7 +114,7 @@ struct HybridTest {
 /// samples follows. It stays within three standard deviations of the noise at rest, before the
 /// first target, so that an error of the model is not taken for noise.   @setup
 [[nodiscard]] std::array<MeasuredNoise, 2> sensor_noise(
-    const HybridTest& test, const std::array<TransferRecord, 2>& records);
+    const HybridTest& test, const std::array<sim::TransferRecord, 2>& records);
 
 /// Displacement of the bearing, one sample per integration step: long, lat [m]. Sample k is at
 /// (k + 1) integration_step.
