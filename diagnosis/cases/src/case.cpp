@@ -7,6 +7,7 @@
 
 #include <rths/cases/against.hpp>
 #include <rths/core/file.hpp>
+#include <rths/recording/table.hpp>
 
 #include "case_history.hpp"
 #include "case_of_run.hpp"
@@ -186,6 +187,26 @@ Case load_case(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path, problem)) return case_of_file(path / "case.toml");
   check_is_file(path);
   return path.extension() == ".toml" ? case_of_file(path) : case_of_run(path);
+}
+
+Eigen::MatrixXd read_matrix(const Config& table, const std::string& key) {
+  if (!table.is_array(key)) {
+    const auto file = recording::Table::load(table.resolve(table.text(key)));
+    const auto& columns = file.columns();
+    Eigen::MatrixXd matrix(columns.empty() ? 0 : columns[0].values.size(), columns.size());
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j)
+      matrix.col(j) = Eigen::Map<const Eigen::VectorXd>(
+          columns[static_cast<std::size_t>(j)].values.data(), matrix.rows());
+    // Of a matrix that is wider than high, the table has the rows.
+    if (!columns.empty() && columns[0].slice.ends_with(",:)")) matrix.transposeInPlace();
+    return matrix;
+  }
+  const auto rows = table.rows(key);
+  Eigen::MatrixXd matrix(rows.size(), rows.empty() ? 0 : rows[0].size());
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+    matrix.row(i) = Eigen::Map<const Eigen::RowVectorXd>(rows[static_cast<std::size_t>(i)].data(),
+                                                         matrix.cols());
+  return matrix;
 }
 
 }  // namespace rths::diagnosis

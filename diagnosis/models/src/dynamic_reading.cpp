@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/recording/table.hpp>
 
 namespace rths::diagnosis {
 namespace {
@@ -75,26 +74,6 @@ Eigen::Index read_index(const Config& table, const std::string& key, const std::
   if (trouble != std::errc{} || end != word.data() + word.size() || number < 1 || number > most)
     table.fail(key, fmt::format("'{}' is not a {}, expected 1 to {}", word, name, most));
   return static_cast<Eigen::Index>(number) - 1;
-}
-
-Eigen::MatrixXd read_matrix(const Config& table, const std::string& key) {
-  if (!table.is_array(key)) {
-    const auto file = recording::Table::load(table.resolve(table.text(key)));
-    const auto& columns = file.columns();
-    Eigen::MatrixXd matrix(columns.empty() ? 0 : columns[0].values.size(), columns.size());
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j)
-      matrix.col(j) = Eigen::Map<const Eigen::VectorXd>(
-          columns[static_cast<std::size_t>(j)].values.data(), matrix.rows());
-    // Of a matrix that is wider than high, the table has the rows.
-    if (!columns.empty() && columns[0].slice.ends_with(",:)")) matrix.transposeInPlace();
-    return matrix;
-  }
-  const auto rows = table.rows(key);
-  Eigen::MatrixXd matrix(rows.size(), rows.empty() ? 0 : rows[0].size());
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i)
-    matrix.row(i) = Eigen::Map<const Eigen::RowVectorXd>(rows[static_cast<std::size_t>(i)].data(),
-                                                         matrix.cols());
-  return matrix;
 }
 
 void finish(const Config& table) {

@@ -32,9 +32,6 @@ struct RoleAssignment {
                                       const std::string& word, std::size_t most,
                                       const std::string& name);
 
-/// Reads a matrix from rows of numbers or from a CSV file.
-[[nodiscard]] Eigen::MatrixXd read_matrix(const Config& table, const std::string& key);
-
 /// Marks the keys that are read elsewhere as known, then rejects unknown keys.
 void finish(const Config& table);
 

@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include <rths/core/config.hpp>
 #include <rths/identification/record.hpp>
 
@@ -84,5 +86,9 @@ inline constexpr const char* kHeldOutFile = "held_out.h5";
 /// a second earthquake in the same folder is read too.
 /// @throws Error file:line:column, found and expected   @setup
 [[nodiscard]] Case load_case(const std::filesystem::path& path);
+
+/// Reads a matrix of a model from rows of numbers, or from the file that the text at `key` names.
+/// @throws Error with the place of a value that is no number   @setup
+[[nodiscard]] Eigen::MatrixXd read_matrix(const Config& table, const std::string& key);
 
 }  // namespace rths::diagnosis
