@@ -91,7 +91,7 @@ std::string config_of(const ModelDescription& description, Config table, const I
   return table.to_toml();
 }
 
-NodeSettings read_fmu(const std::string& node, const Config& table, const Experiment& setup) {
+NodeSettings read_fmu(const std::string& node, const Config& table, const Experiment& /*setup*/) {
   const std::filesystem::path file = table.resolve(table.text("file"));
   if (!std::filesystem::exists(file))
     table.fail("file", fmt::format("file is '{}', expected an FMU", file.string()));
@@ -110,7 +110,7 @@ NodeSettings read_fmu(const std::string& node, const Config& table, const Experi
   settings.make = [=](const Experiment& test, const NodeContext& context) {
     return make(file, table, hosting, test, context);
   };
-  return plugin::guarded(std::move(settings), table, setup);
+  return settings;
 }
 
 }  // namespace rths::fmi

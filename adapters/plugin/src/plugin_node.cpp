@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/adapters/safe_machine.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/sha256.hpp>
 #include <rths/experiment/experiment.hpp>
@@ -88,14 +87,6 @@ std::unique_ptr<adapters::Adapter> make_hosted(PluginSettings plugin, const Host
   return make_child([plugin] { return make_plugin(plugin); }, child);
 }
 
-NodeSettings guarded(NodeSettings node, const Config& table, const Experiment& setup) {
-  if (node.role != Role::Machine) return node;
-  if (table.has("safety"))
-    return adapters::with_safety(std::move(node), table.table("safety"), setup);
-  node.lacks_safety = true;
-  return node;
-}
-
 Config identity_of(const std::filesystem::path& file) {
   Config identity;
   identity.put("file", file.filename().string());
@@ -104,7 +95,8 @@ Config identity_of(const std::filesystem::path& file) {
   return identity;
 }
 
-NodeSettings read_plugin(const std::string& node, const Config& table, const Experiment& setup) {
+NodeSettings read_plugin(const std::string& node, const Config& table,
+                         const Experiment& /*setup*/) {
   NodeSettings settings = read_role(table);
   const auto file = table.resolve(table.text("library"));
   if (!std::filesystem::exists(file))
@@ -127,7 +119,7 @@ NodeSettings read_plugin(const std::string& node, const Config& table, const Exp
   settings.make = [=](const Experiment& test, const NodeContext& context) {
     return make_hosted(plugin, hosting, test, context);
   };
-  return guarded(std::move(settings), table, setup);
+  return settings;
 }
 
 }  // namespace rths::plugin

@@ -4,9 +4,6 @@
 #include <string>
 #include <vector>
 
-#include <rths/adapters/safe_machine.hpp>
-#include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/experiment.hpp>
 
@@ -52,22 +49,11 @@ std::unique_ptr<Adapter> make_platen(const sim::machine::FamilyMember& member,
   return make_srmd_platen(settings);
 }
 
-// The words of the axes that the safety layer guards: the tested ones, and the vertical one of a
-// machine that moves it.
-std::vector<MachineAxis> words_of(const Experiment& setup, bool drives_vertical) {
-  std::vector<MachineAxis> words;
-  for (const std::string& axis : names_of(kTranslations)) {
-    if (contains(setup.axes, axis) || (drives_vertical && axis == name_of(Axis::Vert)))
-      words.push_back({axis, "xpc." + axis + ".displ.ref", "srmd." + axis + ".displ.fbk",
-                       "srmd." + axis + ".force.fbk"});
-  }
-  return words;
-}
-
 }  // namespace
 
 // The machine samples before the controller steps.
-NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const Experiment& setup) {
+NodeSettings read_srmd(const std::string& /*node*/, const Config& table,
+                       const Experiment& /*setup*/) {
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0);
   settings.priority = 60;
@@ -83,8 +69,7 @@ NodeSettings read_srmd(const std::string& /*node*/, const Config& table, const E
       return test.machine.is_identified ? make(test, context) : make_platen(member, test, context);
     };
   }
-  return with_safety(std::move(settings), table.table_or_empty("safety"), setup,
-                     words_of(setup, table.has("model")));
+  return settings;
 }
 
 NodeSettings read_ideal_machine(const std::string& /*node*/, const Config& /*table*/,

@@ -9,7 +9,8 @@
 
 namespace rths::app {
 
-/// All adapters that an experiment can name.
+/// All adapters that an experiment can name. A machine has the safety layer in front of it: srmd
+/// unless its table `safety` says `enabled = false`, a plugin or an FMU if its table has `safety`.
 [[nodiscard]] std::span<const experiment::AdapterKind> builtin_adapters();
 
 /// Loads an experiment whose nodes have these adapters.

@@ -9,8 +9,7 @@
 
 namespace rths::plugin {
 
-/// An adapter in a shared library. Keys: library, role, config, own_process, deadline_s, allocates,
-/// safety.
+/// An adapter in a shared library. Keys: library, role, config, own_process, deadline_s, allocates.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_plugin(const std::string& node, const Config& table,
                                                    const experiment::Experiment& setup);
@@ -31,10 +30,6 @@ struct Hosting {
 [[nodiscard]] experiment::NodeSettings read_role(const Config& table);
 /// Reads `own_process`, `deadline_s` and `allocates`. @throws Error as read_role   @setup
 [[nodiscard]] Hosting read_hosting(const Config& table);
-/// Puts the safety layer in front of a machine whose table has `safety`.
-/// @throws Error with the place of a wrong value   @setup
-[[nodiscard]] experiment::NodeSettings guarded(experiment::NodeSettings node, const Config& table,
-                                               const experiment::Experiment& setup);
 /// Makes a plugin in this process, or in one of its own.   @setup
 [[nodiscard]] std::unique_ptr<adapters::Adapter> make_hosted(
     PluginSettings plugin, const Hosting& hosting, const experiment::Experiment& setup,

@@ -53,9 +53,8 @@ struct IdealMachineSettings {
 /// @throws Error as BearingRun does, or for an unknown axis   @setup
 [[nodiscard]] std::unique_ptr<Adapter> make_ideal_machine(const IdealMachineSettings& settings);
 
-/// A virtual SRMD behind a safety layer, whose limits the key `safety` changes. Without other keys,
-/// it has two axes. `model` names a machine file, with six degrees of freedom; `family_member` (0:
-/// nominal) and a table `changes` vary it.
+/// A virtual SRMD. Without keys, it has two axes. `model` names a machine file, with six degrees of
+/// freedom; `family_member` (0: nominal) and a table `changes` vary it.
 /// @throws Error with the place of the first wrong value   @setup
 [[nodiscard]] experiment::NodeSettings read_srmd(const std::string& node, const Config& table,
                                                  const experiment::Experiment& setup);
