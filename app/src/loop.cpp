@@ -6,12 +6,12 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include <rths/command_line/drawing.hpp>
 #include <rths/command_line/write_file.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/report/drawing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/loop_test.hpp>
@@ -36,8 +36,8 @@ struct LoopArguments {
 
 using sim::LoopHistory;
 
-report::Panel loop_panel(const std::string& title, const LoopHistory& history, bool both_axes) {
-  report::Panel panel{title, "displacement [mm]", "force [kN]", {}};
+Panel loop_panel(const std::string& title, const LoopHistory& history, bool both_axes) {
+  Panel panel{title, "displacement [mm]", "force [kN]", {}};
   panel.curves.push_back({both_axes ? name_of(Axis::Long) : "",
                           scaled(history.displacement_long, 1e3),
                           scaled(history.force_long, 1e-3)});
@@ -113,10 +113,10 @@ int loop(const LoopArguments& arguments) {
              test.amplitude_long * 1e3, test.frequency, table_of(sim::cycle_numbers(line, test)));
   if (!arguments.csv.empty()) write_file(arguments.csv, csv_of(line));
   if (!arguments.svg.empty())
-    write_file(arguments.svg, report::draw(fmt::format("{}, {:.2f} MN, {:g} Hz (model)",
-                                                       bearing.title, load / 1e6, test.frequency),
-                                           {loop_panel("along one axis", line, false),
-                                            loop_panel("along a figure of eight", orbit, true)}));
+    write_file(arguments.svg, draw(fmt::format("{}, {:.2f} MN, {:g} Hz (model)", bearing.title,
+                                               load / 1e6, test.frequency),
+                                   {loop_panel("along one axis", line, false),
+                                    loop_panel("along a figure of eight", orbit, true)}));
   return kOk;
 }
 

@@ -8,8 +8,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <rths/command_line/drawing.hpp>
 #include <rths/command_line/write_file.hpp>
-#include <rths/report/drawing.hpp>
 #include <rths/sim/loop_test.hpp>
 
 #include "command.hpp"
@@ -71,8 +71,8 @@ std::string drawing_of(const TermKind& kind) {
   const View& view = best_view(kind, shown);
   const auto x = scaled(shown.with.*view.x, view.x_scale);
   const auto with = scaled(shown.with.*view.y, view.y_scale);
-  report::Panel panel{std::string{kind.name}, view.x_label, view.y_label, {}};
-  std::vector<report::Panel> panels;
+  Panel panel{std::string{kind.name}, view.x_label, view.y_label, {}};
+  std::vector<Panel> panels;
   if (shown.alone) {
     panel.curves.push_back({"", x, with});
     panels = {panel};
@@ -84,7 +84,7 @@ std::string drawing_of(const TermKind& kind) {
     panel.curves.push_back({"with", x, with});
     panels = {panel, {"difference", view.x_label, view.y_label, {{"", x, difference}}}};
   }
-  return report::draw(fmt::format("{} (model)", kind.title), panels);
+  return draw(fmt::format("{} (model)", kind.title), panels);
 }
 
 std::string parameter_rows(const TermKind& kind, const char* row) {

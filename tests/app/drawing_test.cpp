@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/report/drawing.hpp>
+#include <rths/command_line/drawing.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "support/files.hpp"
 
-namespace rths::report {
+namespace rths::app {
 namespace {
 
 Curve circle(int points) {
@@ -67,4 +67,4 @@ TEST(Drawing, RefusesACurveWithUnequalCoordinates) {
 }
 
 }  // namespace
-}  // namespace rths::report
+}  // namespace rths::app

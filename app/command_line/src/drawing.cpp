@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/report/drawing.hpp>
+#include <rths/command_line/drawing.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include <rths/core/error.hpp>
 
-namespace rths::report {
+namespace rths::app {
 namespace {
 
 constexpr double kPanelWidth = 360, kPanelHeight = 270;  // of the axes' box
@@ -47,7 +47,7 @@ DrawnRange range_of(const Panel& panel, std::vector<double> Curve::*values) {
   return round_range(low, high);
 }
 
-std::string escaped(const std::string& text) {
+std::string xml_escaped(const std::string& text) {
   std::string result;
   for (const char c : text) {
     if (c == '<')
@@ -125,7 +125,7 @@ class PanelDrawing {
 
   [[nodiscard]] std::string axes() const {
     std::string out =
-        fmt::format("<text class=\"h\" x=\"0\" y=\"-12\">{}</text>\n", escaped(panel_.title));
+        fmt::format("<text class=\"h\" x=\"0\" y=\"-12\">{}</text>\n", xml_escaped(panel_.title));
     const auto tick_count = [](const DrawnRange& r) {
       return static_cast<int>(std::lround((r.high - r.low) / r.step));
     };
@@ -144,11 +144,11 @@ class PanelDrawing {
           y, kPanelWidth, y + 4, label(value, y_.step));
     }
     out += fmt::format("<text x=\"{:g}\" y=\"{:g}\" text-anchor=\"middle\">{}</text>\n",
-                       kPanelWidth / 2, kPanelHeight + 34, escaped(panel_.x_label));
+                       kPanelWidth / 2, kPanelHeight + 34, xml_escaped(panel_.x_label));
     return out + fmt::format(
                      "<text transform=\"translate({:g} {:g}) rotate(-90)\" "
                      "text-anchor=\"middle\">{}</text>\n",
-                     -kLeft + 14, kPanelHeight / 2, escaped(panel_.y_label));
+                     -kLeft + 14, kPanelHeight / 2, xml_escaped(panel_.y_label));
   }
 
   [[nodiscard]] static std::string label(double value, double step) {
@@ -181,7 +181,7 @@ class PanelDrawing {
       out += fmt::format(
           "<path class=\"c\" stroke=\"{}\" stroke-width=\"2\" d=\"M8 {:g}h16\"/>"
           "<text x=\"30\" y=\"{:g}\">{}</text>\n",
-          colour(i), y, y + 4, escaped(panel_.curves[i].label));
+          colour(i), y, y + 4, xml_escaped(panel_.curves[i].label));
       y += 15;
     }
     return out;
@@ -214,10 +214,10 @@ std::string draw(const std::string& title, const std::vector<Panel>& panels) {
       "font-weight:600}}.h{{fill:#555}}.g{{stroke:#e3e6e8;fill:none}}.c{{fill:none;"
       "stroke-linejoin:round}}</style>\n<rect width=\"{0:g}\" height=\"{1:g}\" fill=\"#fff\"/>\n"
       "<text class=\"t\" x=\"{2:g}\" y=\"20\">{3}</text>\n",
-      width, height, kLeft, escaped(title));
+      width, height, kLeft, xml_escaped(title));
   for (std::size_t i = 0; i < panels.size(); ++i)
     svg += PanelDrawing{panels[i], kLeft + slot * static_cast<double>(i)}.svg();
   return svg + "</svg>\n";
 }
 
-}  // namespace rths::report
+}  // namespace rths::app

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace rths::report {
+namespace rths::app {
 
 /// A curve through points.
 struct Curve {
@@ -24,4 +24,4 @@ struct Panel {
 /// @throws Error if a curve has no points, or different numbers of x and y   @setup
 [[nodiscard]] std::string draw(const std::string& title, const std::vector<Panel>& panels);
 
-}  // namespace rths::report
+}  // namespace rths::app
