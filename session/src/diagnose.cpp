@@ -67,6 +67,12 @@ DiagnosisResult diagnose(const DiagnoseSettings& settings, const Progress& progr
   return {std::move(verdict), std::move(files)};
 }
 
+diagnosis::Case checked_case(const std::filesystem::path& file) {
+  auto c = diagnosis::load_case(file);
+  diagnosis::check_model(c);
+  return c;
+}
+
 diagnosis::Plan plan(const DiagnoseSettings& settings) {
   const Interruptible interruptible;
   return diagnosis::plan(load(settings), {settings.without, settings.seed, {}});

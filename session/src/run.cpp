@@ -204,6 +204,11 @@ report::ReportOutcome report(const std::filesystem::path& folder,
   return report::make_report(folder, report::judge_run(folder), beside);
 }
 
+void check_setup(const Experiment& experiment) {
+  static_cast<void>(report::read_bounds(experiment.conclusive));
+  launch::check_assembly(experiment);
+}
+
 std::vector<std::string> remarks_on(const Experiment& experiment) {
   auto remarks = experiment.remarks;
   for (auto& remark : experiment::check_plausible(experiment)) remarks.push_back(std::move(remark));

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <rths/cases/case.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/session/progress.hpp>
 #include <rths/verdict/plan.hpp>
@@ -36,6 +37,10 @@ struct DiagnosisResult {
 /// @throws Error if the case cannot be read, or the folder would replace other files;
 ///         Interrupted   @setup
 DiagnosisResult diagnose(const DiagnoseSettings& settings, const Progress& progress = {});
+
+/// Reads a case whose model is valid. @throws Error as load_case, or with the place of a wrong
+/// value of the model   @setup
+[[nodiscard]] diagnosis::Case checked_case(const std::filesystem::path& file);
 
 /// What the case can tell, without a diagnosis. @throws Error if it cannot be read   @setup
 [[nodiscard]] diagnosis::Plan plan(const DiagnoseSettings& settings);

@@ -70,6 +70,10 @@ RunResult run(const RunSettings& settings, const Progress& progress = {});
 report::ReportOutcome report(const std::filesystem::path& folder,
                              const std::filesystem::path& beside = {});
 
+/// Checks bounds, map and ports of an experiment, as a run does before it begins.
+/// @throws Error that names the first fault   @setup
+void check_setup(const experiment::Experiment& experiment);
+
 /// Unusual sizes and keys without an effect, a line each. @throws Error if a size is implausible
 [[nodiscard]] std::vector<std::string> remarks_on(const experiment::Experiment& experiment);
 
