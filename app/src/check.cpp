@@ -1,37 +1,29 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include <rths/adapters/safe_machine.hpp>
-#include <rths/adapters/simulink_like.hpp>
+#include <rths/app/adapter_files.hpp>
 #include <rths/app/builtin_adapters.hpp>
-#include <rths/cases/case.hpp>
-#include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
-#include <rths/core/installed_files.hpp>
+#include <rths/core/interrupted.hpp>
 #include <rths/experiment/check.hpp>
-#include <rths/fmi/fmu_check.hpp>
-#include <rths/launch/run.hpp>
-#include <rths/plugin/conformance.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/table.hpp>
 #include <rths/replicated/scenario.hpp>
-#include <rths/report/judgement.hpp>
+#include <rths/session/diagnose.hpp>
 #include <rths/session/folder.hpp>
+#include <rths/session/run.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/machine/platen_machine.hpp>
-#include <rths/verdict/plan.hpp>
 
 #include "checks.hpp"
 #include "command.hpp"
@@ -47,6 +39,29 @@ struct CheckArguments {
   std::vector<std::string> sets;  ///< key=value
   Changes changes;                ///< of an experiment
 };
+
+int print_line(const std::string& text) {
+  fmt::print("{}\n", text);
+  return kOk;
+}
+
+// One line per rule. Exit code 1 if a rule is broken.
+int print_findings(const std::string& name, const Conformance& found) {
+  using Outcome = adapters::Finding::Outcome;
+  const auto& findings = found.findings;
+  const auto count = [&](Outcome outcome) {
+    return std::count_if(findings.begin(), findings.end(),
+                         [&](const auto& finding) { return finding.outcome == outcome; });
+  };
+  for (const auto& [rule, outcome, text] : findings) {
+    const char* word = outcome == Outcome::Pass ? "PASS" : "FAIL";
+    if (outcome == Outcome::NotTried) word = "----";
+    fmt::print("{}  {:<12} {}\n", word, rule, outcome == Outcome::NotTried ? "not tried" : text);
+  }
+  fmt::print("{}: {}, {} of {} rules passed, {} failed, {} not tried\n", name, found.kind,
+             count(Outcome::Pass), findings.size(), count(Outcome::Fail), count(Outcome::NotTried));
+  return count(Outcome::Fail) == 0 ? kOk : kConditionNotMet;
+}
 
 int check_recording(const std::string& file) {
   const bool repaired = recording::repair(file);
@@ -64,19 +79,11 @@ int check_recording(const std::string& file) {
 
 int check_experiment(const std::string& file, const experiment::Overrides& changes) {
   const auto experiment = load_experiment(file, changes);
-  static_cast<void>(report::read_bounds(experiment.conclusive));
-  launch::check_assembly(experiment);
+  session::check_setup(experiment);
   check_sizes(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
              experiment.nodes.size(), experiment.time.duration, experiment.earthquake.name);
   if (!experiment.history) fmt::print("{}\n", experiment::describe_motion(experiment));
-  return kOk;
-}
-
-int check_diagram(const std::string& file) {
-  const auto diagram = adapters::make_simulink_like(file, {});
-  fmt::print("{}: block diagram, {} ports, {:g} Hz\n", file, diagram->ports().size(),
-             1 / adapters::diagram_period(file));
   return kOk;
 }
 
@@ -90,8 +97,7 @@ int check_bearing(const std::string& file, const Config& config) {
 }
 
 int check_case(const std::string& file) {
-  const auto c = diagnosis::load_case(file);
-  diagnosis::check_model(c);
+  const auto c = session::checked_case(file);
   fmt::print("{}: case '{}', {} records, model of kind '{}'\n", file, c.name, c.records.size(),
              name_of(c.model.kind));
   for (const auto& record : c.records) {
@@ -134,48 +140,10 @@ int check_machine(const std::string& file, const Config& config) {
   return kOk;
 }
 
-int check_limits(const std::string& file) {
-  Config table;
-  table.put("file", std::filesystem::absolute(file).string());
-  experiment::Experiment setup;
-  setup.axes = names_of(kHorizontal);
-  static_cast<void>(adapters::with_safety({}, table, setup));
-  fmt::print("{}: limits of a safety layer; [node.srmd.safety] file = names it\n", file);
-  return kOk;
-}
-
 int check_scenario(const std::string& file) {
   const auto scenario = replicated::load_scenario(file);
   fmt::print("{}: scenario of {} cards, {:g} µs\n", file, scenario.names.size(),
              replicated::to_ns(scenario.duration) * 1e-3);
-  return kOk;
-}
-
-// The built-in diagram with the most blocks of which the file has a table; empty if none has one.
-std::filesystem::path diagram_with(const Config& constants) {
-  std::filesystem::path found;
-  std::ptrdiff_t most = 0;
-  for (const auto& name : built_in_names("diagrams")) {
-    const auto file = shared_files() / "diagrams" / (name + ".toml");
-    const auto blocks = Config::load(file).tables("block");
-    const auto shared = std::count_if(blocks.begin(), blocks.end(), [&](const auto& block) {
-      return constants.is_table(block.text("name", ""));
-    });
-    if (shared <= most) continue;
-    most = shared;
-    found = file;
-  }
-  return found;
-}
-
-// The table of each block replaces values of a diagram's block.
-int check_constants(const std::string& file, const Config& constants,
-                    const std::filesystem::path& diagram) {
-  adapters::DiagramContext context;
-  context.constants = std::filesystem::absolute(file);
-  static_cast<void>(adapters::make_simulink_like(diagram, context));
-  fmt::print("{}: constants of {} for the diagram '{}'\n", file, fmt::join(constants.keys(), ", "),
-             diagram.stem().string());
   return kOk;
 }
 
@@ -199,16 +167,15 @@ int check_changed(const std::string& file, const experiment::Overrides& changes)
 int check_toml(const std::string& file) {
   const auto config = Config::load(file);
   if (config.has("ringmap")) return map_check(file);
-  if (config.has("diagram")) return check_diagram(file);
+  if (config.has("diagram")) return print_line(describe_diagram(file));
   if (config.has("bearing")) return check_bearing(file, config);
   if (config.has("record") || config.has("channels") || config.has("run")) return check_case(file);
   if (has_value(config, "node")) return check_scenario(file);
   if (is_experiment(config)) return check_experiment(file, {});
-  if (has_value(config, "safety")) return check_limits(file);
+  if (has_value(config, "safety")) return print_line(describe_limits(file));
   if (has_value(config, "machine")) return check_machine(file, config);
   if (config.has("specimen") || config.has("machine")) return check_improvement(file, config);
-  if (const auto diagram = diagram_with(config); !diagram.empty())
-    return check_constants(file, config, diagram);
+  if (const auto text = describe_constants(file, config); !text.empty()) return print_line(text);
   throw Error{
       file +
       ": unknown kind of TOML file, expected one of the keys ringmap (map), diagram (block "
@@ -236,14 +203,16 @@ bool looks_like_toml(const std::string& line) {
 
 int check(const CheckArguments& arguments) {
   const auto& file = arguments.file;
-  if (!arguments.server.address.empty()) return check_server(file, arguments.server);
+  if (!arguments.server.address.empty())
+    return print_findings(arguments.server.address, check_server(file, arguments.server));
   if (!arguments.changes.empty()) return check_changed(file, arguments.changes);
-  if (fmi::is_fmu(file)) return check_fmu(file, arguments.config);
+  if (is_adapter(file)) {
+    const Interruptible interruptible;
+    return print_findings(file, check_adapter(file, arguments.config));
+  }
   if (std::filesystem::is_directory(file))
     return check_recording(session::recording_in(file).string());
   check_is_file(file);
-  if (plugin::is_library(file) || std::filesystem::path{file}.extension() == ".py")
-    return check_plugin(file, arguments.config);
   if (recording::Table::is_format_of(file)) return check_table(file);
   if (recording::is_hdf5(file)) return check_recording(file);
   const std::string head = read_file(file, kMostTextBytes);

@@ -17,18 +17,6 @@ int check_table(const std::string& file);
 /// @throws Error as a test with this file
 int check_columns(const std::string& file);
 
-[[nodiscard]] int check_plugin(const std::string& file, const std::string& config);
-[[nodiscard]] int check_fmu(const std::string& file, const std::string& config);
 [[nodiscard]] int map_check(const std::string& file);
-
-/// A server for OpenSees' genericClient.
-struct ServerArguments {
-  std::string address;  ///< HOST:PORT
-  bool udp = false;
-  int dofs = 1;
-  double amplitude = 0;  ///< of trials, in the server's units
-};
-/// @param word  before the address
-[[nodiscard]] int check_server(const std::string& word, const ServerArguments& arguments);
 
 }  // namespace rths::app

@@ -16,7 +16,6 @@
 #include <rths/commissioning/empty_table_run.hpp>
 #include <rths/commissioning/learnt_inverse.hpp>
 #include <rths/core/error.hpp>
-#include <rths/report/report.hpp>
 #include <rths/session/folder.hpp>
 #include <rths/session/pretest.hpp>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -9,15 +8,9 @@
 #include <CLI/CLI.hpp>
 
 #include <rths/adapters/adapter_runner.hpp>
-#include <rths/core/config.hpp>
+#include <rths/app/adapter_files.hpp>
 #include <rths/core/error.hpp>
-#include <rths/fmi/fmu_check.hpp>
-#include <rths/fmi/fmu_node.hpp>
-#include <rths/plugin/plugin_adapter.hpp>
-#include <rths/plugin/python_file.hpp>
 #include <rths/recording/recording.hpp>
-#include <rths/recording/roles.hpp>
-#include <rths/report/report.hpp>
 #include <rths/session/folder.hpp>
 
 #include "command.hpp"
@@ -27,10 +20,8 @@ namespace rths::app {
 namespace {
 
 struct ReplayArguments {
-  std::string library;       ///< of the plugin
-  std::string recording;     ///< file, or folder of a run
-  std::string config;        ///< file with the `config` of the plugin; empty: none
-  std::string node = "xpc";  ///< whose monitors and parameters it has
+  Substitute substitute;
+  std::string recording;  ///< file, or folder of a run
 };
 
 using adapters::Direction;
@@ -83,14 +74,9 @@ Signals signals_of(const adapters::Adapter& adapter, const recording::Reader& ru
   return signals;
 }
 
-/// The adapter, and the rows from one of its steps to the next.
-struct Loaded {
-  std::unique_ptr<adapters::Adapter> adapter;
-  std::size_t rows_per_step = 1;
-};
-
 // Returns the time of each step [s]. The adapter can be done before the last row.
-std::vector<double> run_rows(Loaded& loaded, const recording::Reader& run, Signals& signals) {
+std::vector<double> run_rows(LoadedAdapter& loaded, const recording::Reader& run,
+                             Signals& signals) {
   std::vector<double> in(signals.inputs.size()), out(signals.outputs.size());
   adapters::StepData step;
   step.inputs = in;
@@ -126,62 +112,10 @@ void print(const std::vector<Compared>& outputs, std::vector<double> times) {
              times.empty() ? 0 : 1e6 * times.back());
 }
 
-// The table of a node in the recorded experiment; empty if the node had another kind of adapter.
-Config recorded_table(const recording::Reader& run, const std::string& node,
-                      const std::string& kind) {
-  const auto experiment = recording::experiment_in(run);
-  if (!experiment) return {};
-  const Config table = experiment->table_or_empty("node").table_or_empty(node);
-  return table.text("adapter", "") == kind ? table : Config{};
-}
-
-Loaded load_plugin(const ReplayArguments& arguments, const recording::Reader& run) {
-  const Config config = arguments.config.empty()
-                            ? recorded_table(run, arguments.node, "plugin").table_or_empty("config")
-                            : Config::load(arguments.config);
-  const auto loaded =
-      plugin::plugin_file(std::filesystem::absolute(arguments.library), config.to_toml());
-  plugin::PluginSettings settings;
-  settings.library = loaded.library;
-  settings.config = loaded.config;
-  settings.title = loaded.title;
-  settings.may_allocate = loaded.is_python;
-  return {plugin::make_plugin(settings), 1};
-}
-
-// The steps of an FMU have one length, so it steps once per period.
-Loaded load_fmu(const ReplayArguments& arguments, const recording::Reader& run) {
-  Config table = arguments.config.empty() ? recorded_table(run, arguments.node, "fmu")
-                                          : Config::load(arguments.config);
-  if (table.keys().empty())
-    throw Error{
-        fmt::format("node '{}' of the recording is not an FMU, expected --node of another "
-                    "node, or --config with the table of a node",
-                    arguments.node)};
-  table.put("file", std::filesystem::absolute(arguments.library).string());
-  if (!table.has("role")) table.put("role", std::string{"machine"});
-  const experiment::Experiment setup;
-  const auto settings = fmi::read_fmu(arguments.node, table, setup);
-  const double period = table.number("period_s", to_seconds(settings.schedule.period));
-  const auto& time = run.time();
-  const double row = time.size() > 1 ? time[1] - time[0] : period;
-  const double rows = std::round(period / row);
-  constexpr double kSmallest = 1e-6;  // of a row
-  if (rows < 1 || std::abs(period / row - rows) > kSmallest)
-    throw Error{
-        fmt::format("the FMU has steps of {:g} s, expected a multiple of the recording's "
-                    "rows, {:g} s",
-                    period, row)};
-  const experiment::NodeContext context{
-      arguments.node, from_seconds(period), true, {}, run.map(), {}, {}, {}, {}};
-  return {settings.make(setup, context), static_cast<std::size_t>(rows)};
-}
-
 int replay(const ReplayArguments& arguments) {
   const recording::Reader run{session::recording_in(arguments.recording)};
-  const bool is_fmu = fmi::is_fmu(arguments.library);
-  Loaded loaded = is_fmu ? load_fmu(arguments, run) : load_plugin(arguments, run);
-  Signals signals = signals_of(*loaded.adapter, run, arguments.node);
+  LoadedAdapter loaded = load_adapter(arguments.substitute, run);
+  Signals signals = signals_of(*loaded.adapter, run, arguments.substitute.node);
   loaded.adapter->activate();
   auto times = run_rows(loaded, run, signals);
   loaded.adapter->deactivate();
@@ -195,15 +129,17 @@ void add_replay(CommandLine& line) {
   auto& a = line.values<ReplayArguments>();
   auto* command = line.app.add_subcommand(
       "replay", "Run a plugin or FMU on the inputs of a recording and compare its outputs");
-  command->add_option("library", a.library, "Plugin or FMU")->required()->check(CLI::ExistingPath);
+  command->add_option("library", a.substitute.file, "Plugin or FMU")
+      ->required()
+      ->check(CLI::ExistingPath);
   command->add_option("recording", a.recording, "Recording, or folder of a run")->required();
   command
-      ->add_option("--config", a.config,
+      ->add_option("--config", a.substitute.config,
                    "TOML file with the config of the plugin, or the table of the FMU's node; "
                    "without, those of "
                    "the recorded node")
       ->check(CLI::ExistingFile);
-  command->add_option("--node", a.node, "Node of its monitors and parameters")
+  command->add_option("--node", a.substitute.node, "Node of its monitors and parameters")
       ->capture_default_str();
   command->callback([&] { line.chosen = [&a] { return replay(a); }; });
 }
