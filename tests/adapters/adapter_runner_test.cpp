@@ -97,7 +97,6 @@ class Echo final : public Adapter {
   double oldest = 0;  ///< largest age of its inputs [s]
 
   [[nodiscard]] std::vector<Port> ports() const override { return list; }
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override {
     ++steps;
     input = step.inputs[0];
@@ -108,7 +107,6 @@ class Echo final : public Adapter {
     if (step.stopping || (ends_after > 0 && steps >= ends_after)) return Status::Done;
     return result;
   }
-  void deactivate() noexcept override {}
 };
 
 class AdapterRunnerTest : public ::testing::Test {

@@ -35,7 +35,6 @@ class Springs final : public Adapter {
     ports.push_back({"daq.atTarget", Direction::Output, "1", 0, false});
     return ports;
   }
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override {
     const bool has_target = step.inputs[0] > 0;
     targets_ += has_target && !had_target_ ? 1 : 0;
@@ -46,7 +45,6 @@ class Springs final : public Adapter {
     step.outputs[kCount + 1] = has_target ? 0 : 1;
     return Status::Ok;
   }
-  void deactivate() override {}
   [[nodiscard]] int targets() const { return targets_; }
 
  private:

@@ -11,12 +11,10 @@ class Echo final : public Adapter {
  public:
   explicit Echo(EchoSettings settings);
   [[nodiscard]] std::vector<Port> ports() const override;
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
   [[nodiscard]] Wake wakes_on() const noexcept override {
     return settings_.is_prompt ? Wake::Inputs : Wake::None;
   }
-  void deactivate() noexcept override {}
 
  private:
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

@@ -24,9 +24,7 @@ class Numerical final : public Adapter {
  public:
   explicit Numerical(const NumericalSettings& settings);
   [[nodiscard]] std::vector<Port> ports() const override;
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() noexcept override {}
 
  private:
   // Positions among the inputs; a flag precedes the values that it guards.

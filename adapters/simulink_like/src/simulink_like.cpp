@@ -20,9 +20,7 @@ class SimulinkLike final : public Adapter {
   }
 
   [[nodiscard]] std::vector<Port> ports() const override { return diagram_.ports(); }
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() noexcept override {}
 
  private:
   Diagram diagram_;

@@ -21,9 +21,7 @@ class IdealMachine final : public Adapter {
     }
   }
   [[nodiscard]] std::vector<Port> ports() const override;
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() noexcept override {}
 
  private:
   void move(const StepData& step) noexcept;

@@ -60,9 +60,7 @@ class Srmd final : public Adapter {
   }
 
   [[nodiscard]] std::vector<Port> ports() const override;
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() noexcept override {}
 
  private:
   [[nodiscard]] bool moves(int axis) const noexcept {

@@ -51,9 +51,7 @@ class SrmdPlaten final : public Adapter {
   }
 
   [[nodiscard]] std::vector<Port> ports() const override;
-  void activate() override {}
   [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() noexcept override {}
 
  private:
   [[nodiscard]] sim::machine::PlatenReference reference(const StepData& step) noexcept;

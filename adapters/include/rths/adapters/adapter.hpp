@@ -70,7 +70,7 @@ class Adapter {
   /// in this order, so a flag precedes the inputs that it guards and follows the outputs.   @setup
   [[nodiscard]] virtual std::vector<Port> ports() const = 0;
   /// Allocates memory and opens files. @throws Error   @setup
-  virtual void activate() = 0;
+  virtual void activate() {}
   /// Runs one period. Returns Done when the adapter has finished and is at rest.   @realtime
   [[nodiscard]] virtual Status step(StepData& step) RTHS_REALTIME = 0;
   /// Returns the event that starts the next step early. Ignored in virtual time.   @realtime
@@ -79,7 +79,7 @@ class Adapter {
   virtual void wait_external(Duration longest) { static_cast<void>(longest); }
   /// Releases the resources of `activate`. Also called after a fault.
   /// @throws Error if its output, such as a file, is incomplete   @setup
-  virtual void deactivate() = 0;
+  virtual void deactivate() {}
 };
 
 }  // namespace rths::adapters
