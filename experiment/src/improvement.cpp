@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <iterator>
-#include <vector>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/toml_list.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::experiment {
@@ -94,6 +94,25 @@ Improvement read_improvement(const Config& model, const std::string& text) {
   Config terms = files_of(model);
   if (!text.empty()) terms = terms.overlaid(Config::parse(text, "improved.toml"));
   return {found_in(terms, "specimen"), as_machine(found_in(terms, "machine"))};
+}
+
+std::vector<std::filesystem::path> improvements_of(const std::filesystem::path& experiment,
+                                                   const Overrides& changes) {
+  const Config model = changed_experiment(experiment, changes).table_or_empty("model");
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : model.texts("improvement", {})) files.push_back(model.resolve(file));
+  return files;
+}
+
+Overrides improved_by(const std::vector<std::filesystem::path>& files,
+                      const std::filesystem::path& experiment, Overrides changes) {
+  if (files.empty()) return changes;
+  auto all = improvements_of(experiment, changes);
+  all.insert(all.end(), files.begin(), files.end());
+  std::vector<std::string> paths;
+  for (const auto& file : all) paths.push_back(std::filesystem::weakly_canonical(file).string());
+  changes.emplace_back("model.improvement", toml_list(paths));
+  return changes;
 }
 
 }  // namespace rths::experiment

@@ -12,9 +12,9 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/experiment/improvement.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/session/companions.hpp>
-#include <rths/session/improvements.hpp>
 #include <rths/verdict/diagnose.hpp>
 
 #include "mismatch.hpp"
@@ -116,7 +116,8 @@ class RunConclusion {
   // The diagnosis is written, so a failure is only noted.
   void run_improved(const std::filesystem::path& fragment) const {
     try {
-      const auto changes = improved_by({fragment}, settings_.experiment, settings_.changes);
+      const auto changes =
+          experiment::improved_by({fragment}, settings_.experiment, settings_.changes);
       const auto improved = app::load_experiment(settings_.experiment, changes);
       if (improved.reference) return;  // it does not depend on the model
       run_numerical(improved, at(report::kImprovedFile), settings_.version);

@@ -11,7 +11,6 @@
 #include <rths/experiment/block_settings.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
-#include "recorded_gaps.hpp"
 #include "recorded_host.hpp"
 
 namespace rths::session {

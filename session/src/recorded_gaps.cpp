@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "recorded_gaps.hpp"
+#include "recorded_host.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <rths/launch/run.hpp>
+#include <string>
+
+#include <rths/experiment/experiment.hpp>
 #include <rths/loop/tick_order.hpp>
 #include <rths/recording/recording.hpp>
 
@@ -14,5 +16,13 @@ using experiment::Experiment;
 /// @param ticks, period  of the controller; the period in wall time [s]
 [[nodiscard]] loop::Host recorded_host(const Experiment& experiment, const recording::Reader& run,
                                        const recording::NodeTicks& ticks, double period);
+
+/// Requires that the rows of a recording follow the closed loop. From the first target on, a gap is
+/// at most as long as five integration steps: between the ends of longer ones, targets and forces
+/// are no straight lines.
+/// @param name  of the recording, in errors
+/// @throws Error with times and length of the first longer gap   @setup
+void check_gaps(const Experiment& experiment, const recording::Reader& run,
+                const std::string& name);
 
 }  // namespace rths::session

@@ -12,9 +12,9 @@
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/experiment/check.hpp>
+#include <rths/experiment/improvement.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/session/folder.hpp>
-#include <rths/session/improvements.hpp>
 
 #include "conclude.hpp"
 #include "steps.hpp"
@@ -27,7 +27,7 @@ using experiment::Experiment;
 // The run would replace its own input.
 void refuse_improvements_in(const std::filesystem::path& folder, const RunSettings& settings) {
   const auto replaced = std::filesystem::weakly_canonical(folder / report::kFragmentFile);
-  for (const auto& file : improvements_of(settings.experiment, settings.changes))
+  for (const auto& file : experiment::improvements_of(settings.experiment, settings.changes))
     if (std::filesystem::weakly_canonical(file) == replaced)
       throw Error{file.string() +
                   ": this run replaces it, expected another folder for the results (--out)"};
@@ -81,8 +81,8 @@ class Task {
  private:
   // Now: when the run has begun, the link `latest` leads to another folder.
   static RunSettings with_improvements(RunSettings settings) {
-    settings.changes =
-        improved_by(settings.improvements, settings.experiment, std::move(settings.changes));
+    settings.changes = experiment::improved_by(settings.improvements, settings.experiment,
+                                               std::move(settings.changes));
     return settings;
   }
 
