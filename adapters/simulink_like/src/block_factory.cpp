@@ -30,7 +30,7 @@ bool names_axes(const std::string& pattern) { return pattern.find("{axis}") != s
 
 std::vector<double> limits(const Config& table, const BlockContext& context) {
   if (!table.has("limits")) table.fail("limits", "'limits' is missing: one per axis, long first");
-  const auto values = per_axis(table, "limits", context, 0);
+  const auto values = experiment::per_axis(table, "limits", context.run.axes, 0);
   for (const double value : values)
     if (!(value > 0))
       table.fail("limits", fmt::format("a limit is {:g}, expected a positive number", value));

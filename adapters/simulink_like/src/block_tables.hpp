@@ -15,11 +15,6 @@ constexpr bool kPerAxis = true;
 constexpr bool kSingle = false;
 constexpr double kFadeTime = 0.5;  ///< to fade compensation in or out [s]
 
-/// Selects the values of the run's axes from a list in the order long, lat, …
-/// @throws Error with the key's place if the list is too short
-[[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
-                                           const BlockContext& context, double otherwise);
-
 using Range = std::optional<std::pair<double, double>>;
 inline constexpr std::pair<double, double> kOffOrOn{0, 1};
 

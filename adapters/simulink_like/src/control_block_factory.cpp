@@ -68,11 +68,6 @@ std::vector<Eigen::Vector3d> ats_starts(const Config& table, const BlockContext&
 
 }  // namespace
 
-std::vector<double> per_axis(const Config& table, const std::string& key,
-                             const BlockContext& context, double otherwise) {
-  return experiment::per_axis(table, key, context.run.axes, otherwise);
-}
-
 void add_parameter(Block& block, const Config& table, const std::string& name,
                    const std::string& unit, double otherwise, const Range& range) {
   block.parameters.push_back({name, unit, table.number(name, otherwise), range});
