@@ -149,11 +149,8 @@ void add_bridge(CommandLine& line) {
       ->capture_default_str();
   command->add_option("--interface", a.interface,
                       "Network interface or address [Cyclone DDS chooses]");
-  command
-      ->add_option("--peer", a.peers,
-                   "Address of another host, for networks without multicast; repeatable")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(command->add_option(
+      "--peer", a.peers, "Address of another host, for networks without multicast; repeatable"));
   command->add_option("--host", a.host, "Name of this host [its network name]");
   command->add_flag("--skip-unchanged", a.skips_unchanged,
                     "Do not send writes that leave a word as it was");

@@ -247,10 +247,8 @@ void add_check(CommandLine& line) {
                    "Trial displacement of a server, in its units [0: it stays at rest]")
       ->check(CLI::NonNegativeNumber);
   command->add_flag("--udp", a.server.udp, "The server uses UDP");
-  command
-      ->add_option("--set", a.sets, "Override a key of the experiment, as in rths run: key=value")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(command->add_option("--set", a.sets,
+                                 "Override a key of the experiment, as in rths run: key=value"));
   command->callback([&] {
     a.changes = split_changes(a.sets);
     line.chosen = [&a] { return check(a); };

@@ -26,6 +26,12 @@ struct CommandLine {
   }
 };
 
+/// Lets an option be given more than once, with one value each time.
+template <class Option>
+Option* repeatable(Option* option) {
+  return option->take_all()->allow_extra_args(false);
+}
+
 /// Changes to an experiment file: dotted key, value.
 using Changes = std::vector<std::pair<std::string, std::string>>;
 

@@ -68,6 +68,11 @@ std::vector<std::filesystem::path> recordings_of(const std::vector<std::string>&
   return paths;
 }
 
+template <class Found>
+void print(const CommissioningArguments& a, const Found& found) {
+  fmt::print("{}", a.json ? json_of(found) : text_of(found));
+}
+
 int delay(const CommissioningArguments& a) {
   commissioning::DelayQuestion question;
   question.target = a.target;
@@ -78,14 +83,14 @@ int delay(const CommissioningArguments& a) {
   const auto file = session::recording_in(a.files.at(0));
   const auto pairs = recording::of_file(
       file, [&] { return commissioning::track(recording::Reader{file}, question); });
-  fmt::print("{}", a.json ? commissioning::json_of(pairs) : commissioning::text_of(pairs));
+  print(a, pairs);
   return kOk;
 }
 
 int identify_empty_table(const CommissioningArguments& a) {
   check_target(a.out);
   const auto runs = commissioning::identify_empty_table(recordings_of(a.files), a.load);
-  fmt::print("{}", a.json ? commissioning::json_of(runs) : commissioning::text_of(runs));
+  print(a, runs);
   if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block, a.observer));
   return kOk;
 }
@@ -93,7 +98,7 @@ int identify_empty_table(const CommissioningArguments& a) {
 int identify_inverse(const CommissioningArguments& a) {
   check_target(a.out);
   const auto found = commissioning::learnt_inverse(recordings_of(a.files), a.inverse);
-  fmt::print("{}", a.json ? commissioning::json_of(found) : commissioning::text_of(found));
+  print(a, found);
   if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
   return kOk;
 }
@@ -102,7 +107,7 @@ int calibrate(const CommissioningArguments& a) {
   check_target(a.out);
   const auto found = commissioning::calibrate(recordings_of(a.files),
                                               {a.band.at(0), a.band.at(1), a.feed_forward_share});
-  fmt::print("{}", a.json ? commissioning::json_of(found) : commissioning::text_of(found));
+  print(a, found);
   if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
   return kOk;
 }
@@ -119,7 +124,7 @@ int pretest(const CommissioningArguments& a) {
   if (!a.machine.empty()) settings.machine = session::recording_in(a.machine);
   settings.version = version();
   const auto result = session::pretest(experiment, settings);
-  fmt::print("{}", a.json ? session::json_of(result) : session::text_of(result));
+  print(a, result);
   return result.is_go() ? kOk : kConditionNotMet;
 }
 
@@ -210,9 +215,7 @@ void add_pretest(CommandLine& line) {
                       "Recording of the real machine, which is identified [the virtual machine]");
   command->add_option("--out", a.out,
                       "Folder for the recordings of the first two runs [none is kept]");
-  command->add_option("--set", a.sets, "Override a key of the experiment: key=value")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(command->add_option("--set", a.sets, "Override a key of the experiment: key=value"));
   command->add_flag("--json", a.json, "One JSON document instead of lines");
   command->callback([&] { line.chosen = [&a] { return pretest(a); }; });
 }

@@ -18,7 +18,6 @@
 
 #include "command.hpp"
 #include "commands.hpp"
-#include "scaled.hpp"
 
 namespace rths::app {
 namespace {
@@ -142,9 +141,8 @@ void add_loop(CommandLine& line) {
       ->check(CLI::Range(0.0, 1e9));
   command->add_option("--svg", a.svg, "Draw both loops into this SVG file");
   command->add_option("--csv", a.csv, "Write the loop along one axis to this CSV file");
-  command->add_option("--set", a.sets, "Override a term: term.key=value, term.enabled=false")
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(
+      command->add_option("--set", a.sets, "Override a term: term.key=value, term.enabled=false"));
   command->callback([&] {
     a.changes = split_changes(a.sets);
     line.chosen = [&a] { return loop(a); };

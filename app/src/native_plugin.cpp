@@ -25,18 +25,10 @@ experiment::Overrides changes_of(const Config& config) {
 }
 
 rths_status status_of(Status status) {
-  switch (status) {
-    case Status::Done:
-      return RTHS_DONE;
-    case Status::Stale:
-      return RTHS_STALE;
-    case Status::LimitExceeded:
-      return RTHS_LIMIT_EXCEEDED;
-    case Status::Fault:
-      return RTHS_FAULT;
-    default:
-      return RTHS_OK;
-  }
+  if (status == Status::Done) return RTHS_DONE;
+  if (status == Status::Stale) return RTHS_STALE;
+  if (status == Status::LimitExceeded) return RTHS_LIMIT_EXCEEDED;
+  return status == Status::Fault ? RTHS_FAULT : RTHS_OK;
 }
 
 class NativePlugin final : public rths::PluginBase {

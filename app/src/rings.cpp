@@ -151,9 +151,7 @@ void add_doctor(CommandLine& line) {
                        "Examine the network: interfaces, gateways of this DDS domain, their clocks")
           ->check(CLI::Range(0, 230));
   command->add_option("--interface", a.interface, "As for the gateway of this host")->needs(domain);
-  command->add_option("--peer", a.peers, "As for the gateway of this host")
-      ->take_all()
-      ->allow_extra_args(false)
+  repeatable(command->add_option("--peer", a.peers, "As for the gateway of this host"))
       ->needs(domain);
   command->callback([&] { line.chosen = [&a] { return doctor(a); }; });
 }

@@ -149,18 +149,14 @@ void add_run(CommandLine& line) {
       ->add_option("--interface", a.settings.interface,
                    "Network interface or address, with --host [the experiment's]")
       ->needs(host);
-  command
-      ->add_option(
-          "--set", a.sets,
-          "Override a key of the experiment: key=value, such as map=sts or motion.scale=0.5")
-      ->take_all()
-      ->allow_extra_args(false);
-  command
-      ->add_option("--improve", a.settings.improvements,
-                   "improved.toml of a diagnosis, added to the improvements of the model")
-      ->check(CLI::ExistingFile)
-      ->take_all()
-      ->allow_extra_args(false);
+  repeatable(command->add_option(
+      "--set", a.sets,
+      "Override a key of the experiment: key=value, such as map=sts or motion.scale=0.5"));
+  repeatable(
+      command
+          ->add_option("--improve", a.settings.improvements,
+                       "improved.toml of a diagnosis, added to the improvements of the model")
+          ->check(CLI::ExistingFile));
   command->add_flag("!--no-diagnosis", a.settings.diagnoses,
                     "Do not diagnose the recording at the end");
   command->add_flag("--json", a.json, "One JSON document instead of lines");
@@ -182,7 +178,7 @@ void add_node(CommandLine& line) {
   command->add_option("--node", a.node)->required();
   command->add_option("--ring", a.ring)->required();
   command->add_option("--recording", a.recording)->required();
-  command->add_option("--set", a.sets)->take_all()->allow_extra_args(false);
+  repeatable(command->add_option("--set", a.sets));
   command->callback([&] {
     a.changes = split_changes(a.sets);
     line.chosen = [&a] { return node(a); };

@@ -14,7 +14,6 @@
 
 #include "command.hpp"
 #include "commands.hpp"
-#include "scaled.hpp"
 
 namespace rths::app {
 namespace {

@@ -24,4 +24,10 @@ struct Panel {
 /// @throws Error if a curve has no points, or different numbers of x and y   @setup
 [[nodiscard]] std::string draw(const std::string& title, const std::vector<Panel>& panels);
 
+/// Values times a factor, to change the unit for a drawing.
+inline std::vector<double> scaled(std::vector<double> values, double factor) {
+  for (double& value : values) value *= factor;
+  return values;
+}
+
 }  // namespace rths::app
