@@ -116,9 +116,8 @@ NodeSettings with_fault(NodeSettings settings, Where here) {
 }
 
 NodeSettings read_machine(const std::string& node, const Config& table, const Experiment& setup) {
-  const Config bare = Config::parse("[safety]\nenabled = false", "test");
   return with_fault(
-      adapters::with_safety(with_fault(adapters::read_srmd(node, bare, setup), Where::Sensors),
+      adapters::with_safety(with_fault(adapters::read_srmd(node, Config{}, setup), Where::Sensors),
                             table.table_or_empty("safety"), setup),
       Where::Operator);
 }
