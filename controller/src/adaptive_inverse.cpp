@@ -8,7 +8,6 @@
 #include <Eigen/Cholesky>
 
 #include <rths/core/error.hpp>
-#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <Eigen/Cholesky>
 
-#include <rths/core/require.hpp>
+#include <rths/core/error.hpp>
 
 namespace rths::controller {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <rths/core/require.hpp>
+#include <rths/core/error.hpp>
 
 namespace rths::controller {
 namespace {

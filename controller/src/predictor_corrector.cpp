@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include <rths/core/require.hpp>
+#include <rths/core/error.hpp>
 
 namespace rths::controller {
 namespace {

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/require.hpp>
 
 namespace rths::controller {
 namespace {

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/require.hpp>
 #include <rths/maths/low_pass.hpp>
 
 #include "table_signals.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include <rths/core/require.hpp>
+#include <rths/core/error.hpp>
 
 #include "table_signals.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include <rths/core/require.hpp>
+#include <rths/core/error.hpp>
 
 namespace rths::controller {
 namespace {

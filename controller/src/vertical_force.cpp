@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include <rths/core/constants.hpp>
-#include <rths/core/require.hpp>
+#include <rths/core/error.hpp>
 
 namespace rths::controller {
 

@@ -9,7 +9,6 @@
 
 #include <rths/core/file.hpp>
 
-#include "toml_depth.hpp"
 #include "toml_text.hpp"
 
 namespace rths {

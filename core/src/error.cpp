@@ -47,4 +47,10 @@ void assertion_failed(const char* claim, const char* file, int line) noexcept {
   std::abort();
 }
 
+void Require::operator()(bool holds, std::string_view name, double value,
+                         std::string_view expected) const {
+  if (!holds)
+    throw Error{fmt::format("{}: {} is {:g}, expected {}", subject, name, value, expected)};
+}
+
 }  // namespace rths

@@ -2,10 +2,8 @@
 #include <rths/core/sha256.hpp>
 
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
-#include <span>
 
 #include <fmt/format.h>
 

@@ -11,7 +11,6 @@
 #include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/require.hpp>
 #include <rths/maths/decompositions.hpp>
 
 namespace rths::sim {

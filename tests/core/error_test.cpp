@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/require.hpp>
 
 #include "support/files.hpp"
 

@@ -22,6 +22,22 @@ class Error : public std::runtime_error {
 /// The text with its control characters escaped, for a terminal.
 [[nodiscard]] std::string printable(std::string_view text);
 
+/// Refuses a wrong setting: "safety: jump is -1, expected …".
+struct Require {
+  const char* subject;
+
+  /// @throws Error unless it holds   @setup
+  void operator()(bool holds, std::string_view name, double value, std::string_view expected) const;
+  /// @throws Error unless the value is positive   @setup
+  void positive(std::string_view name, double value) const {
+    (*this)(value > 0, name, value, "a positive number");
+  }
+  /// @throws Error unless the value is 0 or more   @setup
+  void zero_or_more(std::string_view name, double value) const {
+    (*this)(value >= 0, name, value, "0 or more");
+  }
+};
+
 /// Prints the failed claim on standard error and aborts. For bugs of our own, never for input.
 [[noreturn]] void assertion_failed(const char* claim, const char* file, int line) noexcept;
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 
 namespace rths {
@@ -20,21 +21,8 @@ enum class Status : std::uint8_t {
 
 /// Name of the status, for one-line messages.
 [[nodiscard]] constexpr const char* to_text(Status status) noexcept {
-  switch (status) {
-    case Status::Ok:
-      return "ok";
-    case Status::Done:
-      return "done";
-    case Status::Late:
-      return "late";
-    case Status::Stale:
-      return "stale";
-    case Status::LimitExceeded:
-      return "limit exceeded";
-    case Status::Fault:
-      return "fault";
-  }
-  return "unknown";
+  constexpr const char* kNames[] = {"ok", "done", "late", "stale", "limit exceeded", "fault"};
+  return kNames[static_cast<std::size_t>(status)];
 }
 
 }  // namespace rths
