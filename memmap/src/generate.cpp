@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/memmap/generate.hpp>
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include <rths/core/ascii.hpp>
@@ -76,15 +74,8 @@ struct Word {{
 )";
 
 const char* cpp_type(WordType type) {
-  switch (type) {
-    case WordType::I32:
-      return "std::int32_t";
-    case WordType::U32:
-      return "std::uint32_t";
-    case WordType::F32:
-      return "float";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"std::int32_t", "std::uint32_t", "float"};
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 std::string cpp_signal(const SignalEntry& entry) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/memmap/map.hpp>
 
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <xxhash.h>
 
@@ -53,15 +51,8 @@ std::string partition_toml(const Partition& partition) {
 }  // namespace
 
 const char* to_text(WordType type) noexcept {
-  switch (type) {
-    case WordType::I32:
-      return "i32";
-    case WordType::U32:
-      return "u32";
-    case WordType::F32:
-      return "f32";
-  }
-  return "?";
+  constexpr const char* kNames[] = {"i32", "u32", "f32"};
+  return kNames[static_cast<std::size_t>(type)];
 }
 
 Map::Map(MapDescription description) : description_{std::move(description)} {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "map_rules.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -9,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/ascii.hpp>
-#include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::memmap {

@@ -13,6 +13,7 @@
 #include <udunits2.h>
 
 #include <rths/core/error.hpp>
+#include <rths/memmap/codec.hpp>
 
 namespace rths::memmap {
 namespace {
@@ -99,6 +100,12 @@ Unit parse_unit(const std::string& text) {
   if (found != known.end()) return found->second;
   const PlainNumbers plain;
   return known.emplace(text, convert_to_si(text)).first->second;
+}
+
+Codec::Codec(const Signal& signal) : type_{signal.type} {
+  const Unit unit = parse_unit(signal.unit);
+  scale_ = unit.scale;
+  offset_ = unit.offset;
 }
 
 }  // namespace rths::memmap

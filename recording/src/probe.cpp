@@ -14,7 +14,6 @@
 #include <csignal>
 #include <cstring>
 #include <set>
-#include <utility>
 
 #include <fmt/format.h>
 

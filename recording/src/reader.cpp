@@ -99,53 +99,6 @@ Handle open_additions(const Handle& file) {
 
 }  // namespace
 
-struct Reader::File {
-  Handle file;
-  std::optional<memmap::Map> map;
-  std::vector<double> time;
-  struct Column {
-    std::string partition;
-    std::size_t index;
-    std::string unit;
-  };
-  std::map<std::string, Column> columns;
-  std::vector<std::string> names;
-  /// The uncompressed partition read last; callers tend to read signals of one partition together.
-  std::string cached;
-  std::vector<double> values;
-
-  void index_partition(const Handle& signals, const std::string& partition);
-  [[nodiscard]] std::vector<double> column(const Column& of);
-  const std::vector<double>& load(const std::string& partition);
-  void read_everything(const Reader& reader);
-  [[nodiscard]] std::size_t width(const std::string& partition) const {
-    std::size_t count = 0;
-    for (const auto& [name, column] : columns) count += column.partition == partition ? 1 : 0;
-    return count;
-  }
-};
-
-void Reader::File::index_partition(const Handle& signals, const std::string& partition) {
-  if (H5Lexists(signals.id(), partition.c_str(), H5P_DEFAULT) <= 0) return;
-  const Handle dataset = open_dataset(signals.id(), partition);
-  // After a crash, tables can differ in length; a row is valid if all tables have it.
-  const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
-  hsize_t extent[2] = {0, 0};
-  if (H5Sget_simple_extent_ndims(space.id()) != 2)
-    throw Error{"dataset " + partition + " is no table, expected two dimensions"};
-  H5Sget_simple_extent_dims(space.id(), extent, nullptr);
-  time.resize(std::min<std::size_t>(time.size(), extent[0]));
-  const auto signal_names = read_text_list_attribute(dataset.id(), "names");
-  const auto units = read_text_list_attribute(dataset.id(), "units");
-  if (units.size() != signal_names.size() || extent[1] != signal_names.size())
-    throw Error{fmt::format("dataset {} has {} columns, {} names and {} units", partition,
-                            extent[1], signal_names.size(), units.size())};
-  for (std::size_t i = 0; i < signal_names.size(); ++i) {
-    columns[signal_names[i]] = {partition, i, units[i]};
-    names.push_back(signal_names[i]);
-  }
-}
-
 // Whether each column is compressed by itself, so that it can be read without the others.
 bool is_column_by_column(const Handle& table) {
   const Handle properties{H5Dget_create_plist(table.id()), H5Pclose, "HDF5 properties"};
@@ -168,40 +121,83 @@ std::vector<double> read_column(const Handle& table, std::size_t index) {
   return values;
 }
 
-std::vector<double> Reader::File::column(const Column& of) {
-  if (cached != of.partition) {
-    const Handle table = open_dataset(file.id(), "signals/" + of.partition);
-    if (is_column_by_column(table)) return read_column(table, of.index);
-  }
-  const auto& all = load(of.partition);
-  const std::size_t columns_in_all = width(of.partition);
-  std::vector<double> result(all.size() / columns_in_all);
-  for (std::size_t row = 0; row < result.size(); ++row)
-    result[row] = all[row * columns_in_all + of.index];
-  return result;
-}
+struct Reader::File {
+  Handle file;
+  std::optional<memmap::Map> map;
+  std::vector<double> time;
+  struct Column {
+    std::string partition;
+    std::size_t index;
+    std::string unit;
+  };
+  std::map<std::string, Column> columns;
+  std::vector<std::string> names;
+  /// The uncompressed partition read last; callers tend to read signals of one partition together.
+  std::string cached;
+  std::vector<double> values;
 
-const std::vector<double>& Reader::File::load(const std::string& partition) {
-  if (cached != partition) {
-    values = read_all<double>(open_dataset(file.id(), "signals/" + partition));
-    cached = partition;
+  void index_partition(const Handle& signals, const std::string& partition) {
+    if (H5Lexists(signals.id(), partition.c_str(), H5P_DEFAULT) <= 0) return;
+    const Handle dataset = open_dataset(signals.id(), partition);
+    // After a crash, tables can differ in length; a row is valid if all tables have it.
+    const Handle space{H5Dget_space(dataset.id()), H5Sclose, "HDF5 space"};
+    hsize_t extent[2] = {0, 0};
+    if (H5Sget_simple_extent_ndims(space.id()) != 2)
+      throw Error{"dataset " + partition + " is no table, expected two dimensions"};
+    H5Sget_simple_extent_dims(space.id(), extent, nullptr);
+    time.resize(std::min<std::size_t>(time.size(), extent[0]));
+    const auto signal_names = read_text_list_attribute(dataset.id(), "names");
+    const auto units = read_text_list_attribute(dataset.id(), "units");
+    if (units.size() != signal_names.size() || extent[1] != signal_names.size())
+      throw Error{fmt::format("dataset {} has {} columns, {} names and {} units", partition,
+                              extent[1], signal_names.size(), units.size())};
+    for (std::size_t i = 0; i < signal_names.size(); ++i) {
+      columns[signal_names[i]] = {partition, i, units[i]};
+      names.push_back(signal_names[i]);
+    }
   }
-  return values;
-}
 
-// Reads what a caller can ask for.
-void Reader::File::read_everything(const Reader& reader) {
-  for (const auto& partition : map->partitions())
-    if (width(partition.name) > 0) static_cast<void>(load(partition.name));
-  static_cast<void>(reader.meta());
-  static_cast<void>(reader.events());
-  static_cast<void>(reader.drops());
-  static_cast<void>(reader.rows_missing());
-  for (const auto& name : names_in(open_group(file.id(), "config")))
-    static_cast<void>(reader.config(name));
-  for (const auto& name : names_in(open_group(file.id(), "meta")))
-    static_cast<void>(reader.meta_series(name));
-}
+  [[nodiscard]] std::vector<double> column(const Column& of) {
+    if (cached != of.partition) {
+      const Handle table = open_dataset(file.id(), "signals/" + of.partition);
+      if (is_column_by_column(table)) return read_column(table, of.index);
+    }
+    const auto& all = load(of.partition);
+    const std::size_t columns_in_all = width(of.partition);
+    std::vector<double> result(all.size() / columns_in_all);
+    for (std::size_t row = 0; row < result.size(); ++row)
+      result[row] = all[row * columns_in_all + of.index];
+    return result;
+  }
+
+  const std::vector<double>& load(const std::string& partition) {
+    if (cached != partition) {
+      values = read_all<double>(open_dataset(file.id(), "signals/" + partition));
+      cached = partition;
+    }
+    return values;
+  }
+
+  // Reads what a caller can ask for.
+  void read_everything(const Reader& reader) {
+    for (const auto& partition : map->partitions())
+      if (width(partition.name) > 0) static_cast<void>(load(partition.name));
+    static_cast<void>(reader.meta());
+    static_cast<void>(reader.events());
+    static_cast<void>(reader.drops());
+    static_cast<void>(reader.rows_missing());
+    for (const auto& name : names_in(open_group(file.id(), "config")))
+      static_cast<void>(reader.config(name));
+    for (const auto& name : names_in(open_group(file.id(), "meta")))
+      static_cast<void>(reader.meta_series(name));
+  }
+
+  [[nodiscard]] std::size_t width(const std::string& partition) const {
+    std::size_t count = 0;
+    for (const auto& [name, column] : columns) count += column.partition == partition ? 1 : 0;
+    return count;
+  }
+};
 
 Reader::Reader(const std::filesystem::path& path) : file_{std::make_unique<File>()} {
   probe(path, [&] {

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/recording/roles.hpp>
 
-#include <algorithm>
 #include <sstream>
-
-#include <fmt/format.h>
 
 #include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>

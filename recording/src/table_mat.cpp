@@ -35,43 +35,23 @@ void append(const matvar_t& variable, std::vector<double>& values) {
   for (std::size_t i = 0; i < count; ++i) values.push_back(static_cast<double>(data[i]));
 }
 
+/// A class of numbers, and what appends those of a variable.
+struct NumberClass {
+  matio_classes type;
+  void (*append)(const matvar_t&, std::vector<double>&);
+};
+constexpr NumberClass kNumberClasses[] = {
+    {MAT_C_DOUBLE, append<double>},      {MAT_C_SINGLE, append<float>},
+    {MAT_C_INT8, append<std::int8_t>},   {MAT_C_UINT8, append<std::uint8_t>},
+    {MAT_C_INT16, append<std::int16_t>}, {MAT_C_UINT16, append<std::uint16_t>},
+    {MAT_C_INT32, append<std::int32_t>}, {MAT_C_UINT32, append<std::uint32_t>},
+    {MAT_C_INT64, append<std::int64_t>}, {MAT_C_UINT64, append<std::uint64_t>}};
+
 std::vector<double> numbers_of(const matvar_t& variable) {
   std::vector<double> values;
   if (variable.data == nullptr || variable.isComplex != 0) return values;
-  switch (variable.class_type) {
-    case MAT_C_DOUBLE:
-      append<double>(variable, values);
-      break;
-    case MAT_C_SINGLE:
-      append<float>(variable, values);
-      break;
-    case MAT_C_INT8:
-      append<std::int8_t>(variable, values);
-      break;
-    case MAT_C_UINT8:
-      append<std::uint8_t>(variable, values);
-      break;
-    case MAT_C_INT16:
-      append<std::int16_t>(variable, values);
-      break;
-    case MAT_C_UINT16:
-      append<std::uint16_t>(variable, values);
-      break;
-    case MAT_C_INT32:
-      append<std::int32_t>(variable, values);
-      break;
-    case MAT_C_UINT32:
-      append<std::uint32_t>(variable, values);
-      break;
-    case MAT_C_INT64:
-      append<std::int64_t>(variable, values);
-      break;
-    case MAT_C_UINT64:
-      append<std::uint64_t>(variable, values);
-      break;
-    default:
-      break;
-  }
+  for (const auto& known : kNumberClasses)
+    if (variable.class_type == known.type) known.append(variable, values);
   return values;
 }
 

@@ -132,130 +132,123 @@ struct Writer::File {
   std::int64_t rows_missing_count = 0;
   hsize_t rows = 0, events = 0;
 
-  void create();
-  void create_blocks(const memmap::Map& map, const std::vector<SignalId>& signals);
-  void create_events(const memmap::Map& map, const std::vector<SignalId>& signals);
-  void create_drops(const memmap::Map& map, const std::vector<SignalId>& signals,
-                    const std::map<std::string, double>& steps_per_row);
-  void note_changes(Duration at, std::span<const double> row);
-  void flush();
-};
+  void create() {
+    silence_hdf5();
+    const Handle access = without_lock();
+    // Single-writer mode needs the newest structures of the file format.
+    check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "HDF5 version");
+    file = Handle{H5Fcreate(unnamed(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()),
+                  H5Fclose, path.string() + ": creating the recording"};
+    write_text_attribute(file.id(), "recording_format", std::to_string(kRecordingFormat));
+  }
 
-void Writer::File::create() {
-  silence_hdf5();
-  const Handle access = without_lock();
-  // Single-writer mode needs the newest structures of the file format.
-  check(H5Pset_libver_bounds(access.id(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST), "HDF5 version");
-  file = Handle{H5Fcreate(unnamed(path).c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()), H5Fclose,
-                path.string() + ": creating the recording"};
-  write_text_attribute(file.id(), "recording_format", std::to_string(kRecordingFormat));
-}
+  void create_blocks(const memmap::Map& map, const std::vector<SignalId>& signals) {
+    time = create_table(file.id(), "time", H5T_NATIVE_INT64, 0);
+    write_text_attribute(time.dataset.id(), "units", "ns");
+    const Handle group = create_group(file.id(), "signals");
+    for (const auto& partition : map.partitions()) {
+      Block block;
+      std::vector<std::string> names;
+      std::vector<std::string> units;
+      for (std::size_t i = 0; i < signals.size(); ++i) {
+        const auto& entry = map.entry(signals[i]);
+        if (entry.partition->name != partition.name) continue;
+        block.columns.push_back(i);
+        names.push_back(entry.name);
+        units.push_back(memmap::parse_unit(entry.signal->unit).si);
+      }
+      if (block.columns.empty()) continue;
+      block.table =
+          create_table(group.id(), partition.name, H5T_NATIVE_DOUBLE, block.columns.size());
+      write_text_list_attribute(block.table.dataset.id(), "names", names);
+      write_text_list_attribute(block.table.dataset.id(), "units", units);
+      blocks.push_back(std::move(block));
+    }
+  }
 
-void Writer::File::create_blocks(const memmap::Map& map, const std::vector<SignalId>& signals) {
-  time = create_table(file.id(), "time", H5T_NATIVE_INT64, 0);
-  write_text_attribute(time.dataset.id(), "units", "ns");
-  const Handle group = create_group(file.id(), "signals");
-  for (const auto& partition : map.partitions()) {
-    Block block;
+  void create_events(const memmap::Map& map, const std::vector<SignalId>& signals) {
+    const Handle group = create_group(file.id(), "events");
+    event_time = create_table(group.id(), "time", H5T_NATIVE_INT64, 0);
+    event_signal = create_table(group.id(), "signal", H5T_NATIVE_INT32, 0);
+    event_value = create_table(group.id(), "value", H5T_NATIVE_DOUBLE, 0);
     std::vector<std::string> names;
-    std::vector<std::string> units;
     for (std::size_t i = 0; i < signals.size(); ++i) {
-      const auto& entry = map.entry(signals[i]);
-      if (entry.partition->name != partition.name) continue;
-      block.columns.push_back(i);
-      names.push_back(entry.name);
-      units.push_back(memmap::parse_unit(entry.signal->unit).si);
+      if (!map.entry(signals[i]).signal->event) continue;
+      event_columns.push_back(i);
+      names.push_back(map.entry(signals[i]).name);
     }
-    if (block.columns.empty()) continue;
-    block.table = create_table(group.id(), partition.name, H5T_NATIVE_DOUBLE, block.columns.size());
-    write_text_list_attribute(block.table.dataset.id(), "names", names);
-    write_text_list_attribute(block.table.dataset.id(), "units", units);
-    blocks.push_back(std::move(block));
+    last_values.assign(event_columns.size(), std::nan(""));
+    write_text_list_attribute(event_signal.dataset.id(), "names", names);
   }
-}
 
-void Writer::File::create_events(const memmap::Map& map, const std::vector<SignalId>& signals) {
-  const Handle group = create_group(file.id(), "events");
-  event_time = create_table(group.id(), "time", H5T_NATIVE_INT64, 0);
-  event_signal = create_table(group.id(), "signal", H5T_NATIVE_INT32, 0);
-  event_value = create_table(group.id(), "value", H5T_NATIVE_DOUBLE, 0);
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    if (!map.entry(signals[i]).signal->event) continue;
-    event_columns.push_back(i);
-    names.push_back(map.entry(signals[i]).name);
-  }
-  last_values.assign(event_columns.size(), std::nan(""));
-  write_text_list_attribute(event_signal.dataset.id(), "names", names);
-}
-
-// Each node counts its steps in a monitor; a skipped count is a step without a row.
-void Writer::File::create_drops(const memmap::Map& map, const std::vector<SignalId>& signals,
-                                const std::map<std::string, double>& steps_per_row) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < signals.size(); ++i) {
-    const std::string& name = map.entry(signals[i]).name;
-    const std::string& node = map.entry(signals[i]).partition->node;
-    const auto per_row = steps_per_row.find(node);
-    if (!name.ends_with(kStepSuffix) || per_row == steps_per_row.end()) continue;
-    // A node that is slower than the rows, or no multiple of them, makes whole steps.
-    counters.push_back({i, std::ceil(per_row->second - kRounding)});
-    names.push_back(node);
-  }
-  drops = create_numbers(file.id(), "drops", counters.size());
-  rows_missing = create_numbers(file.id(), kRowsMissing, 1);
-  write_text_list_attribute(drops.id(), "names", names);
-}
-
-void Writer::File::note_changes(Duration at, std::span<const double> row) {
-  for (std::size_t i = 0; i < event_columns.size(); ++i) {
-    const double value = row[event_columns[i]];
-    if (!std::isnan(last_values[i]) && value != last_values[i]) {
-      event_times.push_back(at.count());
-      event_signals.push_back(static_cast<std::int32_t>(i));
-      event_values.push_back(value);
+  // Each node counts its steps in a monitor; a skipped count is a step without a row.
+  void create_drops(const memmap::Map& map, const std::vector<SignalId>& signals,
+                    const std::map<std::string, double>& steps_per_row) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < signals.size(); ++i) {
+      const std::string& name = map.entry(signals[i]).name;
+      const std::string& node = map.entry(signals[i]).partition->node;
+      const auto per_row = steps_per_row.find(node);
+      if (!name.ends_with(kStepSuffix) || per_row == steps_per_row.end()) continue;
+      // A node that is slower than the rows, or no multiple of them, makes whole steps.
+      counters.push_back({i, std::ceil(per_row->second - kRounding)});
+      names.push_back(node);
     }
-    last_values[i] = value;
+    drops = create_numbers(file.id(), "drops", counters.size());
+    rows_missing = create_numbers(file.id(), kRowsMissing, 1);
+    write_text_list_attribute(drops.id(), "names", names);
   }
-  // A row that comes a little late has a few more of several steps, and the next one fewer.
-  for (auto& counter : counters) {
-    const double count = row[counter.column];
-    const double missing = std::floor((count - counter.last) / counter.per_row) - 1;  // rows
-    if (counter.last > 0 && missing > 0) counter.drops += std::lround(missing * counter.per_row);
-    counter.last = count;
-  }
-}
 
-// Writes the time last, so that a row without values does not count.
-void Writer::File::flush() {
-  silence_hdf5();  // each thread has its own setting
-  if (!time_buffer.empty()) {
-    for (auto& block : blocks) {
-      block.table.append(rows, time_buffer.size(), block.buffer.data());
-      block.buffer.clear();
+  void note_changes(Duration at, std::span<const double> row) {
+    for (std::size_t i = 0; i < event_columns.size(); ++i) {
+      const double value = row[event_columns[i]];
+      if (!std::isnan(last_values[i]) && value != last_values[i]) {
+        event_times.push_back(at.count());
+        event_signals.push_back(static_cast<std::int32_t>(i));
+        event_values.push_back(value);
+      }
+      last_values[i] = value;
     }
-    time.append(rows, time_buffer.size(), time_buffer.data());
-    rows += time_buffer.size();
-    time_buffer.clear();
+    // A row that comes a little late has a few more of several steps, and the next one fewer.
+    for (auto& counter : counters) {
+      const double count = row[counter.column];
+      const double missing = std::floor((count - counter.last) / counter.per_row) - 1;  // rows
+      if (counter.last > 0 && missing > 0) counter.drops += std::lround(missing * counter.per_row);
+      counter.last = count;
+    }
   }
-  if (!event_times.empty()) {
-    event_time.append(events, event_times.size(), event_times.data());
-    event_signal.append(events, event_signals.size(), event_signals.data());
-    event_value.append(events, event_values.size(), event_values.data());
-    events += event_times.size();
-    event_times.clear();
-    event_signals.clear();
-    event_values.clear();
+
+  // Writes the time last, so that a row without values does not count.
+  void flush() {
+    silence_hdf5();  // each thread has its own setting
+    if (!time_buffer.empty()) {
+      for (auto& block : blocks) {
+        block.table.append(rows, time_buffer.size(), block.buffer.data());
+        block.buffer.clear();
+      }
+      time.append(rows, time_buffer.size(), time_buffer.data());
+      rows += time_buffer.size();
+      time_buffer.clear();
+    }
+    if (!event_times.empty()) {
+      event_time.append(events, event_times.size(), event_times.data());
+      event_signal.append(events, event_signals.size(), event_signals.data());
+      event_value.append(events, event_values.size(), event_values.data());
+      events += event_times.size();
+      event_times.clear();
+      event_signals.clear();
+      event_values.clear();
+    }
+    std::vector<std::int64_t> counts;
+    for (const auto& counter : counters) counts.push_back(counter.drops);
+    if (!counts.empty()) write_numbers(drops, counts.data(), "writing drops");
+    // Flushing only datasets leaves the end of the file in memory: unreadable after a crash.
+    write_numbers(rows_missing, &rows_missing_count, "writing the number of missing rows");
+    check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flushing the recording (is the disk full?)");
+    if (!lock.is_at(path))
+      throw Error{path.string() + ": was removed or replaced while it was written"};
   }
-  std::vector<std::int64_t> counts;
-  for (const auto& counter : counters) counts.push_back(counter.drops);
-  if (!counts.empty()) write_numbers(drops, counts.data(), "writing drops");
-  // Flushing only datasets leaves the end of the file in memory: unreadable after a crash.
-  write_numbers(rows_missing, &rows_missing_count, "writing the number of missing rows");
-  check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flushing the recording (is the disk full?)");
-  if (!lock.is_at(path))
-    throw Error{path.string() + ": was removed or replaced while it was written"};
-}
+};
 
 Writer::Writer(const std::filesystem::path& path, const memmap::Map& map,
                const std::vector<SignalId>& signals, const RecordingInfo& info)

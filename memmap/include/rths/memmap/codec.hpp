@@ -37,15 +37,9 @@ class Codec {
 
  private:
   [[nodiscard]] double number(std::uint32_t word) const noexcept {
-    switch (type_) {
-      case WordType::I32:
-        return static_cast<double>(std::bit_cast<std::int32_t>(word));
-      case WordType::U32:
-        return static_cast<double>(word);
-      case WordType::F32:
-        return static_cast<double>(std::bit_cast<float>(word));
-    }
-    return 0;
+    if (type_ == WordType::I32) return static_cast<double>(std::bit_cast<std::int32_t>(word));
+    if (type_ == WordType::U32) return static_cast<double>(word);
+    return static_cast<double>(std::bit_cast<float>(word));
   }
   [[nodiscard]] static std::uint32_t signed_word(double number) noexcept {
     const double bounded =
