@@ -2,7 +2,6 @@
 #include <rths/broker/detail/layout.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <cstring>
 
 #include <fmt/format.h>

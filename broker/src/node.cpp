@@ -7,6 +7,7 @@
 #include <atomic>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -15,12 +16,59 @@
 #include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 
+#include "journal.hpp"
 #include "record.hpp"
-#include "repair.hpp"
 #include "segment.hpp"
 
 namespace rths::broker {
 namespace {
+
+std::atomic_ref<std::uint32_t> journalled(const GroupView& group) {
+  return std::atomic_ref{*group.journalled};
+}
+
+// True if the writer died after it journalled the group and before it marked it as journalled: then
+// the group is the journal's last entry.
+bool is_last_entry(const JournalView& journal, const GroupView& group, std::uint32_t count) {
+  const std::uint64_t end = end_of(journal);
+  const std::uint64_t length = group_entries(group.longwords);
+  JournalEntry entry;
+  return end >= length && fetch_at(journal, end - length, entry) == Fetched::Entry &&
+         entry.kind() == EntryKind::Group && entry.a == group.base && entry.c == count;
+}
+
+/// Completes a group whose writer died in the middle of a write: copies the whole one of record and
+/// memory into the other. Called by the writer's successor.
+/// @returns true if the journal lacks the group's last write
+// A writer writes record, memory and journal in this order.
+bool repair_group(const GroupView& group, const JournalView& journal) {
+  std::uint32_t* record = group.record;
+  if (!is_enabled(record)) return false;
+  std::vector<std::uint32_t> words(group.longwords);
+  if (is_torn(record, group.longwords)) {
+    // Restores the previous write, which was journalled. Marks it first: this process may die too.
+    const std::uint32_t count = count_of(record);
+    journalled(group).store(next_count(count), std::memory_order_release);
+    load_words(words, group.words);
+    write_record(record, words, count);
+    return false;
+  }
+  if (!read_record(record, words)) return false;
+  store_words(group.words, words);
+  const std::uint32_t count = count_of(record);
+  if (journalled(group).load() != count && is_last_entry(journal, group, count))
+    journalled(group).store(count, std::memory_order_release);
+  return journalled(group).load() != count;
+}
+
+/// Appends a repaired group to the journal.
+void journal_repaired_group(const GroupView& group, JournalWriter& journal) {
+  std::uint32_t* record = group.record;
+  std::vector<std::uint32_t> words(group.longwords);
+  if (!read_record(record, words)) return;
+  journal.group(group.base, words, count_of(record));
+  journalled(group).store(count_of(record), std::memory_order_release);
+}
 
 constexpr int kAttempts = 64;
 constexpr std::uint32_t kNothingRead = ~0U;  // odd and disabled: no valid count of a bulk record

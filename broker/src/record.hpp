@@ -120,15 +120,8 @@ namespace detail {
 /// Address of the words of the write with this count.
 inline std::uint32_t* words_of(std::uint32_t* record, RecordKind kind,
                                std::uint32_t count) noexcept {
-  switch (kind) {
-    case RecordKind::Latch:
-      return record + 2 + std::size_t{count % 2} * kLatchWords;
-    case RecordKind::Line:
-      return record + 1;
-    case RecordKind::Bulk:
-      break;
-  }
-  return record + kLineBytes / sizeof *record;
+  if (kind == RecordKind::Latch) return record + 2 + std::size_t{count % 2} * kLatchWords;
+  return record + (kind == RecordKind::Line ? 1 : kLineBytes / sizeof *record);
 }
 
 // The time of a bulk record is the transfer of its cache lines. The writer prefetches all of them

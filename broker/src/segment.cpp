@@ -6,18 +6,14 @@
 #include <cstring>
 #include <new>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sys/mman.h>
 
 #include <rths/broker/detail/card_layout.hpp>
-#include <rths/broker/detail/process.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/contains.hpp>
-#include <rths/core/error.hpp>
-#include <rths/memmap/map.hpp>
 
 namespace rths::broker {
 namespace {

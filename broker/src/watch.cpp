@@ -262,15 +262,10 @@ Watch::State::Verdict Watch::State::verdict_on(const Suspect& suspect, const Mem
   if (owner->beats > suspect.beats) return Verdict::Foreign;
   if (owner->beats < suspect.beats && owner->beats > 0) return Verdict::Unknown;  // a successor
   if (!is_old) return Verdict::Open;
-  switch (observer.presence_of(owner->id).state) {
-    case Presence::State::Alive:
-      return Verdict::Open;
-    case Presence::State::Absent:
-      return Verdict::Foreign;
-    case Presence::State::Vanished:
-      break;  // it may have ended before the entry
-  }
-  return Verdict::Unknown;
+  const auto state = observer.presence_of(owner->id).state;
+  if (state == Presence::State::Alive) return Verdict::Open;
+  // One that vanished may have ended before the entry.
+  return state == Presence::State::Absent ? Verdict::Foreign : Verdict::Unknown;
 }
 
 void Watch::State::judge_suspects(std::vector<PlainStore>& found) {

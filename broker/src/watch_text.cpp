@@ -30,8 +30,8 @@ std::string word_value(const memmap::Map& map, LongwordOffset offset, std::uint3
   const auto* entry = signal_of(map, offset);
   if (entry == nullptr) return fmt::format("{:#010x}", word);
   const memmap::Codec codec{*entry->signal};
-  const std::string unit = memmap::parse_unit(entry->signal->unit).si;
-  return fmt::format("{:.7g}{}", codec.decode(word), unit == "1" ? "" : " " + unit);
+  const auto unit = memmap::parse_unit(entry->signal->unit);
+  return fmt::format("{:.7g}{}", codec.decode(word), unit.si == "1" ? "" : " " + unit.si);
 }
 
 std::string writers_of(const PlainStore& store) {

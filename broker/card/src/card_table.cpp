@@ -15,6 +15,8 @@
 #include <rths/broker/detail/card_layout.hpp>
 #include <rths/broker/detail/lost_memory.hpp>
 #include <rths/broker/detail/shared_object.hpp>
+#include <rths/card/gt_registers.hpp>
+#include <rths/card/registers.hpp>
 #include <rths/core/error.hpp>
 
 namespace rths::scramnet {
@@ -183,6 +185,11 @@ bool CardTable::reserve_known(std::uint32_t index, std::uint32_t first_longword,
       card + broker::kCardRegisterBytes + broker::acr_bytes(layout_.memory_bytes);
   return posix_fallocate(object_, static_cast<off_t>(known + std::uint64_t{first_longword} * 4),
                          static_cast<off_t>(std::uint64_t{longwords} * 4)) == 0;
+}
+
+void power_up(Card& card, std::uint32_t index) {
+  Registers{card}.power_up(default_id(index));
+  power_up_gt(card.gt);
 }
 
 }  // namespace rths::scramnet

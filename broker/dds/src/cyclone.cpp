@@ -1,15 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The carrier over Cyclone DDS: one reliable topic; a ring's name is its DDS partition.
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <sys/socket.h>
+
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <charconv>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <future>
 #include <mutex>
 #include <optional>
 #include <random>
+#include <set>
+#include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
@@ -20,13 +29,77 @@
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 #include <rths/dds/carrier.hpp>
+#include <rths/dds/network.hpp>
 
 #include "frame.h"
 #include "hello.hpp"
-#include "sockets.hpp"
 
 namespace rths::dds {
 namespace {
+
+// The local address of an IPv4 UDP socket; empty for anything else.
+std::optional<in_addr> address_of(int socket) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  if (getsockopt(socket, SOL_SOCKET, SO_TYPE, &type, &size) != 0 || type != SOCK_DGRAM)
+    return std::nullopt;
+  sockaddr_in address{};
+  size = sizeof address;
+  if (getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0 ||
+      address.sin_family != AF_INET)
+    return std::nullopt;
+  return address.sin_addr;
+}
+
+std::string text_of(in_addr address) {
+  std::array<char, INET_ADDRSTRLEN> text{};
+  inet_ntop(AF_INET, &address, text.data(), text.size());
+  return text.data();
+}
+
+// The interface that has an address; a further address of an interface may have a label, "eth0:1".
+std::string interface_with(const std::string& address) {
+  for (const auto& interface : interfaces())
+    if (interface.address == address) return interface.name.substr(0, interface.name.find(':'));
+  return "";
+}
+
+/// IPv4 UDP sockets of this process.
+std::set<int> udp_sockets() {
+  std::set<int> sockets;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator{"/proc/self/fd", error}) {
+    const std::string name = entry.path().filename();
+    int descriptor = -1;
+    std::from_chars(name.data(), name.data() + name.size(), descriptor);
+    if (address_of(descriptor)) sockets.insert(descriptor);
+  }
+  return sockets;
+}
+
+/// Binds the UDP sockets that this process has made since to the network interface that one of them
+/// has the address of: datagrams of other interfaces do not reach them. Programs that this one
+/// starts do not inherit them. Sockets of several interfaces stay as they are.
+/// @param before  the sockets at the beginning
+/// @returns why not, such as a missing privilege; empty if they are bound or need not be
+std::string bind_new_sockets(const std::set<int>& before) {
+  std::set<int> made;
+  std::set<std::string> addresses;
+  for (const int socket : udp_sockets())
+    if (const auto address = address_of(socket); address && !before.contains(socket)) {
+      made.insert(socket);
+      fcntl(socket, F_SETFD, FD_CLOEXEC);  // NOLINT(cppcoreguidelines-pro-type-vararg)
+      if (address->s_addr != INADDR_ANY) addresses.insert(text_of(*address));
+    }
+  if (addresses.size() != 1) return "";
+  const std::string interface = interface_with(*addresses.begin());
+  for (const int socket : made)
+    if (setsockopt(socket, SOL_SOCKET, SO_BINDTODEVICE, interface.data(),
+                   static_cast<socklen_t>(interface.size())) != 0)
+      return fmt::format("sockets cannot be bound to interface '{}': {}", interface,
+                         std::strerror(errno));
+  return "";
+}
 
 constexpr dds_duration_t kLongestBlock = DDS_SECS(1);
 constexpr dds_duration_t kLongestFarewell = DDS_MSECS(200);

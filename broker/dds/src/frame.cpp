@@ -45,21 +45,10 @@ std::uint32_t word_at(std::span<const std::byte> bytes, std::size_t index) {
 }  // namespace
 
 const char* to_text(FrameDefect defect) noexcept {
-  switch (defect) {
-    case FrameDefect::Length:
-      return "wrong length";
-    case FrameDefect::Magic:
-      return "no frame of a gateway";
-    case FrameDefect::Version:
-      return "another version of frames";
-    case FrameDefect::Kind:
-      return "unknown kind of frame";
-    case FrameDefect::Time:
-      return "impossible time";
-    case FrameDefect::Checksum:
-      return "wrong checksum";
-  }
-  return "";
+  constexpr const char* kTexts[] = {
+      "wrong length",          "no frame of a gateway", "another version of frames",
+      "unknown kind of frame", "impossible time",       "wrong checksum"};
+  return kTexts[static_cast<std::size_t>(defect)];
 }
 
 std::optional<Frame> decode(std::span<const std::byte> bytes, FrameDefect& defect) {

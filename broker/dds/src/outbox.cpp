@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <thread>
-#include <utility>
 
 #include "clock_offset.hpp"
 #include "hello.hpp"

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include <rths/replicated/ring.hpp>
@@ -28,12 +30,25 @@ struct Event {
 /// Events in the order of (time, node, sequence).
 class EventQueue {
  public:
-  void post(Event event);
+  void post(Event event) {
+    event.sequence = next_++;
+    heap_.push_back(event);
+    std::push_heap(heap_.begin(), heap_.end(), is_later);
+  }
   [[nodiscard]] bool is_empty() const { return heap_.empty(); }
   [[nodiscard]] const Event& first() const { return heap_.front(); }
-  Event take_first();
+  Event take_first() {
+    std::pop_heap(heap_.begin(), heap_.end(), is_later);
+    const Event event = heap_.back();
+    heap_.pop_back();
+    return event;
+  }
 
  private:
+  static bool is_later(const Event& a, const Event& b) {
+    return std::tie(a.time, a.node, a.sequence) > std::tie(b.time, b.node, b.sequence);
+  }
+
   std::vector<Event> heap_;
   std::uint64_t next_ = 0;
 };

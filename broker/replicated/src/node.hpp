@@ -2,18 +2,79 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 
+#include <rths/card/bits.hpp>
 #include <rths/card/card.hpp>
 #include <rths/card/registers.hpp>
 #include <rths/replicated/ring.hpp>
 
-#include "acr_cells.hpp"
 #include "message.hpp"
 #include "sparse_bytes.hpp"
-#include "transmit_fifo.hpp"
 
 namespace rths::replicated {
+
+/// A store on its way to the ring.
+struct FifoEntry {
+  std::uint32_t address = 0;  ///< on the ring [B]; of an interrupt: its number
+  std::uint32_t value = 0;
+  std::uint8_t enables = 0xF;
+  Content content = Content::Data;
+  bool interrupt = false;
+};
+
+/// Bytes of a longword that a store of 1, 2 or 4 bytes covers, as bits.
+[[nodiscard]] constexpr std::uint8_t enabled_bytes(std::uint32_t offset, std::uint32_t bytes) {
+  return static_cast<std::uint8_t>(((1U << bytes) - 1) << offset % 4);
+}
+
+/// The card's transmit FIFO. The vendor's self-test expects its full flag by 1022 entries.
+class TransmitFifo {
+ public:
+  static constexpr std::uint32_t kEntries = 1024, kSevenEighths = 896, kFullFlag = 1022;
+
+  [[nodiscard]] std::uint32_t size() const { return added_ - taken_; }
+  [[nodiscard]] bool is_empty() const { return added_ == taken_; }
+  [[nodiscard]] bool is_full() const { return size() == kEntries; }
+  [[nodiscard]] const FifoEntry& first() const { return entries_[taken_ % kEntries]; }
+  void add(const FifoEntry& entry) { entries_[added_++ % kEntries] = entry; }
+  FifoEntry take() { return entries_[taken_++ % kEntries]; }
+  void clear() { taken_ = added_; }
+
+ private:
+  std::array<FifoEntry, kEntries> entries_{};
+  std::uint32_t added_ = 0, taken_ = 0;
+};
+
+/// ACR of a card, by longword: in this process, or in the object of an image.
+class AcrCells {
+ public:
+  explicit AcrCells(std::uint64_t longwords) : own_{longwords} {}
+  /// @param cells  as many longwords; null: those of this process
+  void share(scramnet::Word* cells) { shared_ = cells; }
+  [[nodiscard]] std::uint64_t size() const { return own_.size(); }
+  [[nodiscard]] std::uint32_t get(std::uint64_t longword) const {
+    if (shared_ != nullptr) return shared_[longword].load(std::memory_order_relaxed);
+    return own_.get<std::uint8_t>(longword);
+  }
+  void set(std::uint64_t longword, std::uint32_t bits) {
+    bits &= scramnet::acr::kBits;
+    if (shared_ != nullptr)
+      shared_[longword].store(bits);
+    else
+      own_.set(longword, static_cast<std::uint8_t>(bits));
+  }
+  void clear() {
+    if (shared_ == nullptr) return own_.clear();
+    for (std::uint64_t i = 0; i < size(); ++i)
+      if (shared_[i].load(std::memory_order_relaxed) != 0) shared_[i].store(0);
+  }
+
+ private:
+  SparseBytes own_;
+  scramnet::Word* shared_ = nullptr;
+};
 
 /// CSR0 of a node on the ring: inserted, receives, transmits.
 inline constexpr std::uint32_t kOnRing = 0x8003;

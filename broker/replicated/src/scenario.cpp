@@ -6,8 +6,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/config.hpp>
-#include <rths/core/error.hpp>
 #include <rths/replicated/images.hpp>
 
 #include "node.hpp"

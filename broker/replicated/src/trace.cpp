@@ -10,27 +10,11 @@
 namespace rths::replicated {
 namespace {
 
-const char* name_of(Hop::Kind kind) {
-  switch (kind) {
-    case Hop::Kind::Inserted:
-      return "inserted";
-    case Hop::Kind::Repeated:
-      return "repeated";
-    case Hop::Kind::Passed:
-      return "passed";
-    case Hop::Kind::Stored:
-      return "stored";
-    case Hop::Kind::Rejected:
-      return "rejected";
-    case Hop::Kind::Removed:
-      return "removed";
-    case Hop::Kind::Expired:
-      return "expired";
-    case Hop::Kind::Broken:
-      return "lost at an open ring";
-  }
-  return "";
-}
+// In the order of Hop::Kind.
+constexpr const char* kKindNames[] = {"inserted", "repeated", "passed",  "stored",
+                                      "rejected", "removed",  "expired", "lost at an open ring"};
+
+const char* name_of(Hop::Kind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
 
 bool is_slice(const Hop& hop) {
   return hop.kind == Hop::Kind::Inserted || hop.kind == Hop::Kind::Repeated ||

@@ -119,14 +119,9 @@ uint32 scgtGetState(scgtHandle* handle, uint32 state) {
 uint32 scgtSetState(scgtHandle* handle, uint32 state, uint32 value) {
   const GtUnit* unit = unit_of(handle);
   if (unit == nullptr) return SCGT_BAD_PARAMETER;
-  switch (set_state(unit->card(), state, value)) {
-    case StateResult::Ok:
-      return SCGT_SUCCESS;
-    case StateResult::Unsupported:
-      return SCGT_CALL_UNSUPPORTED;
-    default:
-      return SCGT_BAD_PARAMETER;
-  }
+  const StateResult result = set_state(unit->card(), state, value);
+  if (result == StateResult::Ok) return SCGT_SUCCESS;
+  return result == StateResult::Unsupported ? SCGT_CALL_UNSUPPORTED : SCGT_BAD_PARAMETER;
 }
 
 uint32 scgtReadCR(scgtHandle* handle, uint32 offset) {

@@ -2,10 +2,7 @@
 //
 // Vendor's GT calls: moving data and interrupts.
 
-#include <algorithm>
 #include <cstring>
-#include <ctime>
-#include <utility>
 
 #include "gt_unit.hpp"
 #include "ring_copy.hpp"

@@ -4,8 +4,6 @@
 #include <memory>
 #include <mutex>
 
-#include <rths/core/error.hpp>
-
 #include "board.hpp"
 
 namespace rths::scramnet {

@@ -3,7 +3,6 @@
 
 #include <sys/mman.h>
 
-#include <algorithm>
 #include <cstring>
 #include <ctime>
 
@@ -62,16 +61,10 @@ std::uint64_t replace(std::byte* at, bool in_memory, Change change) {
 
 template <class Change>
 std::uint64_t replace_by_width(std::uint32_t width, std::byte* at, bool in_memory, Change change) {
-  switch (width) {
-    case 1:
-      return replace<std::uint8_t>(at, in_memory, change);
-    case 2:
-      return replace<std::uint16_t>(at, in_memory, change);
-    case 4:
-      return replace<std::uint32_t>(at, in_memory, change);
-    default:
-      return replace<std::uint64_t>(at, in_memory, change);
-  }
+  if (width == 1) return replace<std::uint8_t>(at, in_memory, change);
+  if (width == 2) return replace<std::uint16_t>(at, in_memory, change);
+  if (width == 4) return replace<std::uint32_t>(at, in_memory, change);
+  return replace<std::uint64_t>(at, in_memory, change);
 }
 
 }  // namespace

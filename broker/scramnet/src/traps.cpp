@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <csignal>
-#include <utility>
 
 #include <rths/card/bits.hpp>
 #include <rths/card/registers.hpp>

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>

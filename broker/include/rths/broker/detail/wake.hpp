@@ -17,6 +17,9 @@ struct alignas(64) Wake {
 };
 static_assert(sizeof(Wake) == 128);
 
+/// Includes this process in the fences of sleepers. Called once, before the first write.
+void register_as_writer();
+
 /// The slow path of `wake_sleepers`.
 void wake_all(Wake& wake, std::uint32_t spared) noexcept;
 
