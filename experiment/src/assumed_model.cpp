@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "tables.hpp"
 
-#include <algorithm>
-#include <iterator>
-#include <string_view>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include <rths/core/contains.hpp>
-#include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/experiment/improvement.hpp>
 #include <rths/experiment/machine_table.hpp>

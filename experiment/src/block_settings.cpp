@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 
 namespace rths::experiment {

@@ -2,10 +2,8 @@
 #include <rths/experiment/experiment.hpp>
 
 #include <algorithm>
-#include <utility>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
 
 namespace rths::experiment {
 

@@ -10,7 +10,6 @@
 
 #include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
-#include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/core/text.hpp>
 

@@ -5,7 +5,6 @@
 #include <rths/experiment/check.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 

@@ -12,7 +12,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/error.hpp>
 #include <rths/loop/numerical_response.hpp>
 #include <rths/sim/motion_file.hpp>
 
