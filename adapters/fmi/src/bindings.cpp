@@ -44,7 +44,6 @@ bool is_signal_name(const std::string& name) {
 
 // "kg.m.s-2"
 std::string text_of(const BaseUnit& unit) {
-  constexpr const char* kBases[] = {"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
   std::string text;
   for (std::size_t i = 0; i < unit.exponents.size(); ++i)
     if (unit.exponents[i] != 0)

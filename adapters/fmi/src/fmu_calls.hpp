@@ -1,21 +1,48 @@
 // SPDX-License-Identifier: Apache-2.0
-//
-// The functions of an FMU, the same for both versions of the standard.
 #pragma once
 
-#include <rths/fmi/fmi2.h>
-#include <rths/fmi/fmi3.h>
-
+#include <array>
+#include <atomic>
 #include <filesystem>
+#include <memory>
+#include <span>
 #include <string>
-#include <variant>
-#include <vector>
 
 #include "exchange.hpp"
-#include "fmu_log.hpp"
 #include "model_description.hpp"
 
 namespace rths::fmi {
+
+/// Status of a call, with the numbers of both versions of the standard.
+enum FmiStatus : int { kOk, kWarning, kDiscard, kError, kFatal, kPending };
+
+/// Messages of an FMU. They go to standard error with the name of the instance. Those of a step are
+/// kept, and printed by `flush`.
+class FmuLog {
+ public:
+  void rename(const std::string& instance) { instance_ = instance; }
+
+  /// Any thread. Of two threads at once, one loses its message.   @realtime during steps
+  void add(int status, const char* category, const char* message) noexcept;
+  /// From now on, messages are kept.
+  void begin_steps() noexcept;
+  /// Prints what was kept; later messages are printed at once.   @setup
+  void flush();
+  /// The last message of an error or a refusal; empty without one.
+  [[nodiscard]] const char* last_error() const noexcept { return last_error_.data(); }
+  void forget_error() noexcept { last_error_[0] = '\0'; }
+
+ private:
+  using Text = std::array<char, 240>;
+  void lock() noexcept;
+
+  std::string instance_;
+  std::atomic_flag busy_ = ATOMIC_FLAG_INIT;
+  bool keeps_ = false;
+  std::array<Text, 64> kept_{};
+  std::size_t count_ = 0, lost_ = 0;
+  Text last_error_{};
+};
 
 /// How a step ended.
 struct StepEnd {
@@ -32,73 +59,26 @@ struct InstanceSettings {
   bool logs = false;                ///< debug messages
 };
 
-/// Functions of FMI 2. A null instance: none.
-class Calls2 {
+/// The functions of one FMU, the same for both versions of the standard, and its instance. Their
+/// results are an FmiStatus.
+class Calls {
  public:
-  void load(void* library, const std::string& file);
-  [[nodiscard]] bool instantiate(const ModelDescription& description,
-                                 const InstanceSettings& settings, FmuLog& log);
-  [[nodiscard]] int enter_initialization() const;
-  [[nodiscard]] int exit_initialization() const { return exit_(self_); }
-  [[nodiscard]] int set(Exchange& exchange, std::span<const double> in, bool& fits) const noexcept;
-  [[nodiscard]] int get(Exchange& exchange, double* out) const noexcept;
-  [[nodiscard]] StepEnd step(double time, double length) const noexcept;
-  [[nodiscard]] int terminate() const { return terminate_(self_); }
-  void free_instance() const { free_(self_); }
-
- private:
-  fmi2Component self_ = nullptr;
-  fmi2CallbackFunctions callbacks_{};
-  fmi2InstantiateTYPE* instantiate_ = nullptr;
-  fmi2FreeInstanceTYPE* free_ = nullptr;
-  fmi2SetupExperimentTYPE* setup_ = nullptr;
-  fmi2EnterInitializationModeTYPE* enter_ = nullptr;
-  fmi2ExitInitializationModeTYPE* exit_ = nullptr;
-  fmi2TerminateTYPE* terminate_ = nullptr;
-  fmi2DoStepTYPE* step_ = nullptr;
-  fmi2GetRealStatusTYPE* real_status_ = nullptr;
-  fmi2GetBooleanStatusTYPE* boolean_status_ = nullptr;
-  fmi2GetRealTYPE* get_real_ = nullptr;
-  fmi2SetRealTYPE* set_real_ = nullptr;
-  fmi2GetIntegerTYPE* get_integer_ = nullptr;
-  fmi2SetIntegerTYPE* set_integer_ = nullptr;
-  fmi2GetBooleanTYPE* get_boolean_ = nullptr;
-  fmi2SetBooleanTYPE* set_boolean_ = nullptr;
+  virtual ~Calls() = default;
+  /// @returns whether there is an instance   @setup
+  [[nodiscard]] virtual bool instantiate(const ModelDescription& description,
+                                         const InstanceSettings& settings, FmuLog& log) = 0;
+  [[nodiscard]] virtual int enter_initialization() = 0;
+  [[nodiscard]] virtual int exit_initialization() = 0;
+  [[nodiscard]] virtual int set(Exchange& exchange, std::span<const double> in,
+                                bool& fits) noexcept = 0;
+  [[nodiscard]] virtual int get(Exchange& exchange, double* out) noexcept = 0;
+  [[nodiscard]] virtual StepEnd step(double time, double length) noexcept = 0;
+  virtual int terminate() noexcept = 0;
+  virtual void free_instance() noexcept = 0;
 };
-
-/// Functions of FMI 3, without event mode, early return and intermediate update.
-class Calls3 {
- public:
-  void load(void* library, const std::string& file);
-  [[nodiscard]] bool instantiate(const ModelDescription& description,
-                                 const InstanceSettings& settings, FmuLog& log);
-  [[nodiscard]] int enter_initialization() const { return enter_(self_, false, 0, 0, false, 0); }
-  [[nodiscard]] int exit_initialization() const { return exit_(self_); }
-  [[nodiscard]] int set(Exchange& exchange, std::span<const double> in, bool& fits) const noexcept;
-  [[nodiscard]] int get(Exchange& exchange, double* out) const noexcept;
-  [[nodiscard]] StepEnd step(double time, double length) const noexcept;
-  [[nodiscard]] int terminate() const { return terminate_(self_); }
-  void free_instance() const { free_(self_); }
-
- private:
-  using Function = void (*)();
-  static constexpr std::size_t kTypes = static_cast<std::size_t>(Type::Other);
-
-  fmi3Instance self_ = nullptr;
-  fmi3InstantiateCoSimulationTYPE* instantiate_ = nullptr;
-  fmi3FreeInstanceTYPE* free_ = nullptr;
-  fmi3EnterInitializationModeTYPE* enter_ = nullptr;
-  fmi3ExitInitializationModeTYPE* exit_ = nullptr;
-  fmi3TerminateTYPE* terminate_ = nullptr;
-  fmi3DoStepTYPE* step_ = nullptr;
-  std::array<Function, kTypes> getters_{}, setters_{};  ///< by type
-};
-
-/// The functions of one FMU, in its library.
-using Calls = std::variant<Calls2, Calls3>;
 
 /// Loads an FMU's library, which stays loaded until the process ends.
 /// @throws Error if it cannot be loaded, or lacks a function   @setup
-[[nodiscard]] Calls load_calls(const std::filesystem::path& library, int version);
+[[nodiscard]] std::unique_ptr<Calls> load_calls(const std::filesystem::path& library, int version);
 
 }  // namespace rths::fmi

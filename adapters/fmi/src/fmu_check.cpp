@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/fmi/fmu_plugin.hpp>
 #include <rths/plugin/conformance.hpp>
 
 #include "bindings.hpp"

@@ -4,11 +4,17 @@
 #include <filesystem>
 #include <string>
 
+#include <rths_adapter.h>
+
 #include <rths/core/config.hpp>
 
 #include "model_description.hpp"
 
 namespace rths::fmi {
+
+/// An FMU behind the interface of plugins. Its config has the keys `folder` (of the unpacked FMU),
+/// `instance` and `step_s`, and those of the node: see `read_fmu`.
+[[nodiscard]] const rths_adapter& fmu_adapter();
 
 /// An instance of an FMU.
 struct InstancePlan {

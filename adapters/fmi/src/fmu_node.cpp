@@ -7,7 +7,6 @@
 
 #include <rths/core/error.hpp>
 #include <rths/experiment/experiment.hpp>
-#include <rths/fmi/fmu_plugin.hpp>
 #include <rths/plugin/plugin_node.hpp>
 
 #include "bindings.hpp"

@@ -14,25 +14,14 @@
 namespace rths::fmi {
 namespace {
 
-struct TypeName {
-  const char* name;
-  Type type;
-};
-constexpr TypeName kTypes2[] = {
-    {"Real", Type::Float64}, {"Integer", Type::Int32}, {"Boolean", Type::Boolean}};
-constexpr TypeName kTypes3[] = {
-    {"Float64", Type::Float64}, {"Float32", Type::Float32}, {"Int8", Type::Int8},
-    {"UInt8", Type::UInt8},     {"Int16", Type::Int16},     {"UInt16", Type::UInt16},
-    {"Int32", Type::Int32},     {"UInt32", Type::UInt32},   {"Int64", Type::Int64},
-    {"UInt64", Type::UInt64},   {"Boolean", Type::Boolean}};
-
 Type type_named(int version, const std::string& name) {
-  const auto find = [&](const auto& types) {
-    for (const auto& [known, type] : types)
-      if (name == known) return type;
-    return Type::Other;
-  };
-  return version == 2 ? find(kTypes2) : find(kTypes3);
+  if (version == 2) {
+    if (name == "Real") return Type::Float64;
+    if (name == "Integer") return Type::Int32;
+    return name == "Boolean" ? Type::Boolean : Type::Other;
+  }
+  const auto found = std::find(std::begin(kNumberTypes), std::end(kNumberTypes), name);
+  return static_cast<Type>(found - std::begin(kNumberTypes));
 }
 
 /// Reads attributes; its errors name the file.
@@ -97,7 +86,6 @@ Definitions definitions_in(const pugi::xml_node& root, int version) {
 
 std::map<std::string, BaseUnit> units_in(const pugi::xml_node& root,
                                          const DescriptionReader& reader) {
-  constexpr const char* kBases[] = {"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
   std::map<std::string, BaseUnit> units;
   for (const auto& node : root.child("UnitDefinitions").children("Unit")) {
     const auto base = node.child("BaseUnit");

@@ -25,6 +25,12 @@ enum class Type {
   Boolean,
   Other,  ///< String, Binary, Clock, Enumeration: cannot be bound
 };
+/// Their names in FMI 3, without Other.
+inline constexpr const char* kNumberTypes[] = {"Float64", "Float32", "Int8",   "UInt8",
+                                               "Int16",   "UInt16",  "Int32",  "UInt32",
+                                               "Int64",   "UInt64",  "Boolean"};
+/// Base units, in the order of the exponents of a BaseUnit.
+inline constexpr const char* kBases[] = {"kg", "m", "s", "A", "K", "mol", "cd", "rad"};
 
 struct Variable {
   std::string name;

@@ -100,28 +100,33 @@ struct PluginExport {
   }
   static void stop(void* self) noexcept { of(self).plugin->stop(); }
   static const char* message(void* self) noexcept { return of(self).plugin->message(); }
+
+  /// Their table. A null `stop`: the host ramps outputs with RTHS_RAMP to rest.
+  static rths_adapter table(const char* name, const char* version, void (*its_stop)(void*)) {
+    return {RTHS_ADAPTER_ABI,
+            sizeof(rths_adapter),
+            name,
+            version,
+            create,
+            list,
+            activate,
+            step,
+            deactivate,
+            destroy,
+            its_stop,
+            message};
+  }
 };
 
 }  // namespace rths
 
 /// Defines rths_adapter_entry; for the two macros below.
-#define RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, STOP)      \
-  extern "C" const rths_adapter* rths_adapter_entry(void) {    \
-    using Export = rths::PluginExport<PLUGIN>;                 \
-    static const rths_adapter adapter = {RTHS_ADAPTER_ABI,     \
-                                         sizeof(rths_adapter), \
-                                         NAME,                 \
-                                         VERSION,              \
-                                         Export::create,       \
-                                         Export::list,         \
-                                         Export::activate,     \
-                                         Export::step,         \
-                                         Export::deactivate,   \
-                                         Export::destroy,      \
-                                         STOP,                 \
-                                         Export::message};     \
-    return &adapter;                                           \
+#define RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, STOP)                                       \
+  extern "C" const rths_adapter* rths_adapter_entry(void) {                                     \
+    static const rths_adapter adapter = rths::PluginExport<PLUGIN>::table(NAME, VERSION, STOP); \
+    return &adapter;                                                                            \
   }
+
 /// The host ramps outputs with RTHS_RAMP to rest.
 #define RTHS_EXPORT_ADAPTER(PLUGIN, NAME, VERSION) \
   RTHS_EXPORT_ADAPTER_(PLUGIN, NAME, VERSION, nullptr)
