@@ -2,7 +2,6 @@
 #include <rths/adapters/adapter_runner.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 
@@ -42,14 +41,8 @@ std::vector<Port> runner_ports() {
 }
 
 std::string signal_name(const Port& port, const std::string& node) {
-  switch (port.direction) {
-    case Direction::Monitor:
-      return "monitor." + node + "." + port.name;
-    case Direction::Parameter:
-      return "tune." + node + "." + port.name;
-    default:
-      return port.name;
-  }
+  if (port.direction == Direction::Monitor) return "monitor." + node + "." + port.name;
+  return port.direction == Direction::Parameter ? "tune." + node + "." + port.name : port.name;
 }
 
 namespace {
@@ -345,18 +338,10 @@ void AdapterRunner::wait_for_others(Clock& clock) noexcept {
 }
 
 void AdapterRunner::wait_until(TimePoint time, Clock& clock) noexcept {
-  switch (adapter_.wakes_on()) {
-    case Wake::Inputs:
-      if (waiter_) return wait_for_inputs(time);
-      break;
-    case Wake::External:
-      if (const Duration left = time - clock.now(); left > Duration{0})
-        adapter_.wait_external(left);
-      return;
-    case Wake::None:
-      break;
-  }
-  clock.sleep_until(time);
+  const Wake wake = adapter_.wakes_on();
+  if (wake == Wake::Inputs && waiter_) return wait_for_inputs(time);
+  if (wake != Wake::External) return clock.sleep_until(time);
+  if (const Duration left = time - clock.now(); left > Duration{0}) adapter_.wait_external(left);
 }
 
 LoopEnd run_loop(AdapterRunner& runner, Clock& clock, TimePoint epoch,

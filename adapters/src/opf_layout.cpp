@@ -35,15 +35,8 @@ std::pair<double, double> limits_of() {
 // Lowest and highest value of a word, in the map's unit.
 std::pair<double, double> limits(const memmap::Signal& signal) {
   if (signal.range) return *signal.range;
-  switch (signal.type) {
-    case memmap::WordType::I32:
-      return limits_of<std::int32_t>();
-    case memmap::WordType::U32:
-      return limits_of<std::uint32_t>();
-    case memmap::WordType::F32:
-      break;
-  }
-  return limits_of<float>();
+  if (signal.type == memmap::WordType::I32) return limits_of<std::int32_t>();
+  return signal.type == memmap::WordType::U32 ? limits_of<std::uint32_t>() : limits_of<float>();
 }
 
 // "long.displ.target", or "displ.target" with a single axis.
@@ -86,19 +79,8 @@ void require_no_gap(const memmap::Map& map, const std::vector<memmap::SignalEntr
 }  // namespace
 
 const char* to_text(OpfQuantity quantity) noexcept {
-  switch (quantity) {
-    case OpfQuantity::Displacement:
-      return "disp";
-    case OpfQuantity::Velocity:
-      return "vel";
-    case OpfQuantity::Acceleration:
-      return "accel";
-    case OpfQuantity::Force:
-      return "force";
-    case OpfQuantity::Time:
-      return "time";
-  }
-  return "";
+  constexpr const char* kNames[] = {"disp", "vel", "accel", "force", "time"};
+  return kNames[static_cast<std::size_t>(quantity)];
 }
 
 const OpfSignal* OpfLayout::find(const std::vector<OpfSignal>& signals, const std::string& axis,

@@ -17,8 +17,8 @@
 #include <rths/core/installed_files.hpp>
 #include <rths/fmi/fmu_check.hpp>
 #include <rths/plugin/conformance.hpp>
+#include <rths/plugin/library.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
-#include <rths/plugin/python_file.hpp>
 #include <rths/recording/roles.hpp>
 
 namespace rths::app {

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <span>
 #include <sstream>
 
 #include <fmt/format.h>

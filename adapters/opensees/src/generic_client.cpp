@@ -2,7 +2,6 @@
 #include "generic_client.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <numeric>

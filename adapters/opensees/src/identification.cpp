@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <Eigen/Core>
 
 #include <rths/core/error.hpp>
 #include <rths/maths/decompositions.hpp>

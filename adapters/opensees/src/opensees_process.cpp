@@ -1,8 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "opensees_process.hpp"
 
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
 #include <fstream>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -10,6 +22,79 @@
 
 namespace rths::adapters {
 namespace {
+
+constexpr std::size_t kMost = 256;      // sockets
+constexpr int kDay = 24 * 3600 * 1000;  // [ms]
+constexpr int kChecks = 50;             // 1 ms apart
+constexpr char kKeep = 'k', kRelease = 'r';
+
+/// A message on the control socket: a letter, and with `kKeep` a descriptor.
+struct ControlMessage {
+  char letter = 0;
+  iovec content{&letter, 1};
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> ancillary{};
+  msghdr header{};
+  ControlMessage() {
+    header.msg_iov = &content;
+    header.msg_iovlen = 1;
+    header.msg_control = ancillary.data();
+    header.msg_controllen = ancillary.size();
+  }
+  ControlMessage(const ControlMessage&) = delete;
+  ControlMessage& operator=(const ControlMessage&) = delete;
+};
+
+// All functions called by `run_keeper` run in the forked process: system calls only.
+struct KeptSockets {
+  std::array<pollfd, kMost + 1> entries;  ///< the first is the control socket
+  std::size_t count = 1;
+  bool is_orphan = false;
+};
+
+void receive(KeptSockets& kept) noexcept {
+  ControlMessage message;
+  const ssize_t got = recvmsg(kept.entries[0].fd, &message.header, MSG_CMSG_CLOEXEC);
+  if (got < 0 && errno == EINTR) return;
+  if (got > 0 && message.letter == kRelease) _exit(0);
+  if (got <= 0) {
+    kept.is_orphan = true;
+    kept.entries[0].fd = -1;
+    return;
+  }
+  const cmsghdr* const attached = CMSG_FIRSTHDR(&message.header);
+  if (attached == nullptr || kept.count > kMost) return;
+  int socket = -1;
+  std::memcpy(&socket, CMSG_DATA(attached), sizeof socket);
+  kept.entries[kept.count++] = {socket, POLLRDHUP, 0};
+}
+
+void close_ended(KeptSockets& kept) noexcept {
+  for (std::size_t i = 1; i < kept.count;) {
+    if (kept.entries[i].revents == 0) {
+      ++i;
+      continue;
+    }
+    close(kept.entries[i].fd);
+    kept.entries[i] = kept.entries[--kept.count];
+  }
+}
+
+[[noreturn]] void run_keeper(int control) noexcept {
+  prctl(PR_SET_NAME, "rths-keeper");
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::signal(signal, SIG_DFL);
+  setsid();  // detach from the terminal's interrupts
+  // Close the run's files and pipes; their readers would otherwise wait for this process.
+  if (control != STDIN_FILENO) dup2(control, STDIN_FILENO);
+  close_range(STDIN_FILENO + 1, ~0U, 0);
+  static KeptSockets kept;
+  kept.entries[0] = {STDIN_FILENO, POLLIN, 0};
+  while (!kept.is_orphan || kept.count > 1) {
+    if (poll(kept.entries.data(), kept.count, kDay) == 0 && kept.is_orphan) break;
+    close_ended(kept);
+    if (kept.entries[0].revents != 0) receive(kept);
+  }
+  _exit(0);
+}
 
 constexpr auto kExitTime = std::chrono::milliseconds{100};  // of a process after its socket closed
 constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last message
@@ -78,6 +163,48 @@ std::optional<std::string> OpenSeesProcess::finish() {
   if (!script_) return std::nullopt;
   script_->wait(kToFinish);
   return script_->failure();
+}
+
+SocketKeeper::SocketKeeper() {
+  std::array<int, 2> ends{};
+  if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw Error{fmt::format("the socket keeper cannot start: {}", std::strerror(errno))};
+  pid_ = fork();
+  if (pid_ == 0) run_keeper(ends[1]);
+  close(ends[1]);
+  control_ = ends[0];
+  if (pid_ > 0) return;
+  close(control_);
+  throw Error{fmt::format("the socket keeper cannot start: {}", std::strerror(errno))};
+}
+
+SocketKeeper::~SocketKeeper() {
+  close(control_);
+  // Without sockets, the keeper exits now.
+  wait_for_exit();
+}
+
+void SocketKeeper::wait_for_exit() {
+  for (int check = 0; check < kChecks && pid_ > 0; ++check) {
+    if (waitpid(pid_, nullptr, WNOHANG) != 0) pid_ = -1;
+    if (pid_ > 0) std::this_thread::sleep_for(std::chrono::milliseconds{1});
+  }
+}
+
+void SocketKeeper::keep(int socket) const {
+  ControlMessage message;
+  message.letter = kKeep;
+  cmsghdr* const attached = CMSG_FIRSTHDR(&message.header);
+  attached->cmsg_level = SOL_SOCKET;
+  attached->cmsg_type = SCM_RIGHTS;
+  attached->cmsg_len = CMSG_LEN(sizeof socket);
+  std::memcpy(CMSG_DATA(attached), &socket, sizeof socket);
+  static_cast<void>(sendmsg(control_, &message.header, MSG_NOSIGNAL));
+}
+
+void SocketKeeper::release() {
+  static_cast<void>(send(control_, &kRelease, 1, MSG_NOSIGNAL));
+  wait_for_exit();
 }
 
 }  // namespace rths::adapters

@@ -170,18 +170,10 @@ Measurement OpfWords::measured(std::size_t element, std::span<const double> feed
 double OpfWords::value_of(const Word& word, const Specimen::Command& command) {
   const auto axis = static_cast<Index>(word.axis);
   if (word.is_load) return word.sign * command.load;
-  switch (word.signal.word.quantity) {
-    case OpfQuantity::Displacement:
-      return command.displacement[axis];
-    case OpfQuantity::Velocity:
-      return command.velocity[axis];
-    case OpfQuantity::Acceleration:
-      return command.acceleration[axis];
-    case OpfQuantity::Force:
-    case OpfQuantity::Time:
-      break;
-  }
-  return 0;
+  const OpfQuantity quantity = word.signal.word.quantity;
+  if (quantity == OpfQuantity::Displacement) return command.displacement[axis];
+  if (quantity == OpfQuantity::Velocity) return command.velocity[axis];
+  return quantity == OpfQuantity::Acceleration ? command.acceleration[axis] : 0;
 }
 
 double OpfWords::moved_from_start(const Word& word, const Specimen::Command& command) {

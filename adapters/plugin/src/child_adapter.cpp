@@ -18,7 +18,6 @@
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
-#include <memory>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -178,22 +177,134 @@ void leave_parent() {
 class ChildAdapter final : public adapters::Adapter {
  public:
   ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter>()>& make,
-               const ChildSettings& settings);
+               const ChildSettings& settings)
+      : settings_{settings} {
+    void* memory = mmap(nullptr, sizeof(ChildMemory), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw Error{settings_.title + ": no memory for its process"};
+    shared_ = std::construct_at(static_cast<ChildMemory*>(memory));
+    const pid_t parent = getpid();
+    pid_ = fork();
+    if (pid_ == 0) {
+      leave_parent();
+      Server{*shared_, make}.run(parent);
+    }
+    if (pid_ < 0) throw Error{fmt::format("{}: no process: {}", settings_.title, strerror(errno))};
+    try {
+      demand(ChildCommand::Make, "create");
+    } catch (const Error&) {
+      end();
+      throw;
+    }
+    ports_ = ports_of(text());
+    if (ports_.size() > kMostValues) ports_.resize(kMostValues);
+    inputs_ =
+        static_cast<std::size_t>(std::count_if(ports_.begin(), ports_.end(), adapters::is_read));
+  }
+
   ~ChildAdapter() override { end(); }
   ChildAdapter(const ChildAdapter&) = delete;
   ChildAdapter& operator=(const ChildAdapter&) = delete;
 
   [[nodiscard]] std::vector<Port> ports() const override { return ports_; }
-  void activate() override;
-  [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() override;
+
+  void activate() override {
+    demand(ChildCommand::Activate, "activate");
+    if (settings_.priority == 0) return;
+    const sched_param parameters{settings_.priority};
+    sched_setscheduler(pid_, SCHED_FIFO, &parameters);  // without the privilege it runs as it is
+  }
+
+  [[nodiscard]] Status step(StepData& step) noexcept override {
+    step.message = message_.data();
+    if (is_over_) return Status::Fault;
+    shared_->command = ChildCommand::Step;
+    shared_->time = step.time;
+    shared_->age = step.age;
+    shared_->stopping = step.stopping;
+    std::copy(step.inputs.begin(), step.inputs.end(), shared_->values.begin());
+    double* outputs = shared_->values.data() + inputs_;
+    std::copy(step.outputs.begin(), step.outputs.end(), outputs);
+    give_turn(*shared_, kChild);
+    if (!answers(settings_.step_deadline + kAnswerMargin)) {
+      note_end("its step", settings_.step_deadline);
+      return Status::Fault;
+    }
+    std::copy_n(outputs, step.outputs.size(), step.outputs.begin());
+    const Status status = std::min(shared_->status, Status::Fault);
+    if (status == Status::Fault)
+      std::memcpy(message_.data(), shared_->text.data(), message_.size() - 1);
+    return status;
+  }
+
+  void deactivate() override {
+    if (!is_over_) demand(ChildCommand::Deactivate, "deactivate");
+  }
 
  private:
-  [[nodiscard]] bool answers(double deadline) noexcept;
-  [[nodiscard]] std::string text() const;
-  void demand(ChildCommand command, const char* name);
-  void end() noexcept;
-  void note_end(const char* call, double deadline) noexcept;
+  // Waits for the child's answer. On failure it is dead.
+  [[nodiscard]] bool answers(double deadline) noexcept {
+    const WallClock clock;
+    const TimePoint latest = clock.now() + from_seconds(deadline);
+    while (!has_turn(*shared_, kParent)) {
+      if (int ending = 0; waitpid(pid_, &ending, WNOHANG) == pid_) {
+        ending_ = ending;
+        is_over_ = true;
+        return false;
+      }
+      if (clock.now() < latest) continue;
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+      is_over_ = true;
+      return false;
+    }
+    return true;
+  }
+
+  // Of the child, whose plugin may have written over its end.
+  [[nodiscard]] std::string text() const {
+    return {shared_->text.data(), strnlen(shared_->text.data(), shared_->text.size())};
+  }
+
+  // @throws Error of the adapter, or if it does not answer
+  void demand(ChildCommand command, const char* name) {
+    if (is_over_) throw Error{message_.data()};
+    if (command != ChildCommand::Make) {
+      shared_->command = command;
+      give_turn(*shared_, kChild);
+    }
+    if (!answers(settings_.setup_deadline)) {
+      note_end(name, settings_.setup_deadline);
+      throw Error{message_.data()};
+    }
+    if (shared_->failed) throw Error{text()};
+  }
+
+  void end() noexcept {
+    if (!is_over_) {
+      kill(pid_, SIGKILL);
+      waitpid(pid_, nullptr, 0);
+    }
+    munmap(shared_, sizeof(ChildMemory));
+  }
+
+  void note_end(const char* call, double deadline) noexcept {
+    const std::size_t room = message_.size() - 1;
+    char* end = nullptr;
+    if (!ending_)
+      end = fmt::format_to_n(message_.data(), room, "{}: {} did not return within {:g} s",
+                             settings_.title, call, deadline)
+                .out;
+    else if (WIFSIGNALED(*ending_))
+      end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process: {}", settings_.title,
+                             call, strsignal(WTERMSIG(*ending_)))
+                .out;
+    else
+      end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process with exit code {}",
+                             settings_.title, call, WEXITSTATUS(*ending_))
+                .out;
+    *end = '\0';
+  }
 
   ChildSettings settings_;
   ChildMemory* shared_;
@@ -204,129 +315,6 @@ class ChildAdapter final : public adapters::Adapter {
   std::vector<Port> ports_;
   std::size_t inputs_ = 0;  ///< in `values`, before the outputs
 };
-
-ChildAdapter::ChildAdapter(const std::function<std::unique_ptr<adapters::Adapter>()>& make,
-                           const ChildSettings& settings)
-    : settings_{settings} {
-  void* memory =
-      mmap(nullptr, sizeof(ChildMemory), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  if (memory == MAP_FAILED) throw Error{settings_.title + ": no memory for its process"};
-  shared_ = std::construct_at(static_cast<ChildMemory*>(memory));
-  const pid_t parent = getpid();
-  pid_ = fork();
-  if (pid_ == 0) {
-    leave_parent();
-    Server{*shared_, make}.run(parent);
-  }
-  if (pid_ < 0) throw Error{fmt::format("{}: no process: {}", settings_.title, strerror(errno))};
-  try {
-    demand(ChildCommand::Make, "create");
-  } catch (const Error&) {
-    end();
-    throw;
-  }
-  ports_ = ports_of(text());
-  if (ports_.size() > kMostValues) ports_.resize(kMostValues);
-  inputs_ =
-      static_cast<std::size_t>(std::count_if(ports_.begin(), ports_.end(), adapters::is_read));
-}
-
-// Of the child, whose plugin may have written over its end.
-std::string ChildAdapter::text() const {
-  return {shared_->text.data(), strnlen(shared_->text.data(), shared_->text.size())};
-}
-
-// Waits for the child's answer. On failure it is dead.
-bool ChildAdapter::answers(double deadline) noexcept {
-  const WallClock clock;
-  const TimePoint latest = clock.now() + from_seconds(deadline);
-  while (!has_turn(*shared_, kParent)) {
-    if (int ending = 0; waitpid(pid_, &ending, WNOHANG) == pid_) {
-      ending_ = ending;
-      is_over_ = true;
-      return false;
-    }
-    if (clock.now() < latest) continue;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-    is_over_ = true;
-    return false;
-  }
-  return true;
-}
-
-void ChildAdapter::note_end(const char* call, double deadline) noexcept {
-  const std::size_t room = message_.size() - 1;
-  char* end = nullptr;
-  if (!ending_)
-    end = fmt::format_to_n(message_.data(), room, "{}: {} did not return within {:g} s",
-                           settings_.title, call, deadline)
-              .out;
-  else if (WIFSIGNALED(*ending_))
-    end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process: {}", settings_.title,
-                           call, strsignal(WTERMSIG(*ending_)))
-              .out;
-  else
-    end = fmt::format_to_n(message_.data(), room, "{}: {} ended its process with exit code {}",
-                           settings_.title, call, WEXITSTATUS(*ending_))
-              .out;
-  *end = '\0';
-}
-
-// @throws Error of the adapter, or if it does not answer
-void ChildAdapter::demand(ChildCommand command, const char* name) {
-  if (is_over_) throw Error{message_.data()};
-  if (command != ChildCommand::Make) {
-    shared_->command = command;
-    give_turn(*shared_, kChild);
-  }
-  if (!answers(settings_.setup_deadline)) {
-    note_end(name, settings_.setup_deadline);
-    throw Error{message_.data()};
-  }
-  if (shared_->failed) throw Error{text()};
-}
-
-void ChildAdapter::activate() {
-  demand(ChildCommand::Activate, "activate");
-  if (settings_.priority == 0) return;
-  const sched_param parameters{settings_.priority};
-  sched_setscheduler(pid_, SCHED_FIFO, &parameters);  // without the privilege it runs as it is
-}
-
-Status ChildAdapter::step(StepData& step) noexcept {
-  step.message = message_.data();
-  if (is_over_) return Status::Fault;
-  shared_->command = ChildCommand::Step;
-  shared_->time = step.time;
-  shared_->age = step.age;
-  shared_->stopping = step.stopping;
-  std::copy(step.inputs.begin(), step.inputs.end(), shared_->values.begin());
-  double* outputs = shared_->values.data() + inputs_;
-  std::copy(step.outputs.begin(), step.outputs.end(), outputs);
-  give_turn(*shared_, kChild);
-  if (!answers(settings_.step_deadline + kAnswerMargin)) {
-    note_end("its step", settings_.step_deadline);
-    return Status::Fault;
-  }
-  std::copy_n(outputs, step.outputs.size(), step.outputs.begin());
-  const Status status = std::min(shared_->status, Status::Fault);
-  if (status == Status::Fault)
-    std::memcpy(message_.data(), shared_->text.data(), message_.size() - 1);
-  return status;
-}
-
-void ChildAdapter::deactivate() {
-  if (!is_over_) demand(ChildCommand::Deactivate, "deactivate");
-}
-
-void ChildAdapter::end() noexcept {
-  if (!is_over_) {
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  munmap(shared_, sizeof(ChildMemory));
-}
 
 }  // namespace
 

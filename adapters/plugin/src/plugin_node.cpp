@@ -10,7 +10,7 @@
 #include <rths/core/sha256.hpp>
 #include <rths/experiment/experiment.hpp>
 #include <rths/plugin/child_adapter.hpp>
-#include <rths/plugin/python_file.hpp>
+#include <rths/plugin/library.hpp>
 
 namespace rths::plugin {
 namespace {

@@ -4,7 +4,6 @@
 #include <atomic>
 #include <chrono>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <thread>
 
@@ -59,21 +58,108 @@ class Recorder final : public Adapter {
   }
   ~Recorder() override { stop_writer(); }
 
-  [[nodiscard]] std::vector<Port> ports() const override;
-  void activate() override;
-  [[nodiscard]] Status step(StepData& step) noexcept override;
-  void deactivate() override;
+  [[nodiscard]] std::vector<Port> ports() const override {
+    std::vector<Port> ports;
+    for (const auto id : signals_) {
+      const auto& entry = map_.entry(id);
+      ports.push_back(
+          {entry.name, Direction::Input, memmap::parse_unit(entry.signal->unit).si, 0, false});
+    }
+    for (const auto& port : recorder_monitors()) ports.push_back(port);
+    return ports;
+  }
+
+  void activate() override {
+    writer_.emplace(settings_.file, map_, signals_, settings_.info);
+    outgoing_.resize(row_length());
+    incoming_.resize(row_length());
+    if (!settings_.own_thread) return;
+    queue_ = std::make_unique<Queue>(kQueuedRows * row_length());
+    thread_ = std::thread{[this] { run_writer(); }};
+  }
+
+  [[nodiscard]] Status step(StepData& step) noexcept override {
+    if (failed_.load(std::memory_order_acquire)) {
+      step.message = failure_.c_str();
+      return Status::Fault;
+    }
+    record(step);
+    if (!step.stopping) return Status::Ok;
+    if (stopped_at_ < 0) stopped_at_ = step.time;
+    for (auto& layer : safety_layers_)
+      if (layer.is_moving_its_machine(step)) moved_at_ = step.time;
+    const double since = step.time - stopped_at_;
+    const bool is_over = since >= settings_.linger && step.time - moved_at_ >= kSettling;
+    return is_over || since >= settings_.longest ? Status::Done : Status::Ok;
+  }
+
+  // Rows may still be queued after the last step.
+  void deactivate() override {
+    stop_writer();
+    if (failed_.load(std::memory_order_acquire)) throw Error{failure_};
+    if (writer_) writer_->close();
+  }
 
  private:
   // A row in the queue: its time, then its values.
   using Queue = boost::lockfree::spsc_queue<double>;
   [[nodiscard]] std::size_t row_length() const noexcept { return signals_.size() + 1; }
-  void add_safety_layer(std::size_t state, const std::string& name);
-  void write_queued();
-  void run_writer() noexcept;
-  void stop_writer() noexcept;
-  void record(StepData& step) noexcept;
-  void write_now(const StepData& step) noexcept;
+
+  void add_safety_layer(std::size_t state, const std::string& name) {
+    const std::string node = name.substr(0, name.size() - kSafetyState.size());
+    std::optional<std::size_t> count;
+    if (const auto signal = map_.find_signal(node + ".host.step")) count = signal->value();
+    safety_layers_.emplace_back(state, count);
+  }
+
+  void write_queued() {
+    writer_->set_rows_missing(missing_rows_.load(std::memory_order_relaxed));
+    while (queue_->read_available() >= row_length()) {
+      queue_->pop(incoming_.data(), row_length());
+      writer_->append(from_seconds(incoming_[0]), std::span{incoming_}.subspan(1));
+    }
+  }
+
+  void run_writer() noexcept {
+    try {
+      while (!finish_.load(std::memory_order_acquire)) {
+        write_queued();
+        std::this_thread::sleep_for(kWriterNap);
+      }
+      write_queued();
+      writer_->close();
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+      failed_.store(true, std::memory_order_release);
+    }
+  }
+
+  void stop_writer() noexcept {
+    finish_.store(true, std::memory_order_release);
+    if (thread_.joinable()) thread_.join();
+  }
+
+  void record(StepData& step) noexcept {
+    if (step.age >= settings_.period || (queue_ && queue_->write_available() < row_length())) {
+      step.outputs[0] =
+          static_cast<double>(missing_rows_.fetch_add(1, std::memory_order_relaxed) + 1);
+    } else if (queue_) {
+      outgoing_[0] = step.time;
+      std::copy(step.inputs.begin(), step.inputs.end(), outgoing_.begin() + 1);
+      queue_->push(outgoing_.data(), row_length());
+    } else {
+      write_now(step);
+    }
+  }
+
+  void write_now(const StepData& step) noexcept {
+    try {
+      writer_->append(from_seconds(step.time), step.inputs);
+    } catch (const std::exception& error) {
+      failure_ = error.what();
+      failed_.store(true, std::memory_order_release);
+    }
+  }
 
   const memmap::Map map_;
   RecorderSettings settings_;
@@ -89,104 +175,6 @@ class Recorder final : public Adapter {
   std::vector<SafetyLayer> safety_layers_;
   double stopped_at_ = -1, moved_at_ = -1;
 };
-
-void Recorder::add_safety_layer(std::size_t state, const std::string& name) {
-  const std::string node = name.substr(0, name.size() - kSafetyState.size());
-  std::optional<std::size_t> count;
-  if (const auto signal = map_.find_signal(node + ".host.step")) count = signal->value();
-  safety_layers_.emplace_back(state, count);
-}
-
-std::vector<Port> Recorder::ports() const {
-  std::vector<Port> ports;
-  for (const auto id : signals_) {
-    const auto& entry = map_.entry(id);
-    ports.push_back(
-        {entry.name, Direction::Input, memmap::parse_unit(entry.signal->unit).si, 0, false});
-  }
-  for (const auto& port : recorder_monitors()) ports.push_back(port);
-  return ports;
-}
-
-void Recorder::activate() {
-  writer_.emplace(settings_.file, map_, signals_, settings_.info);
-  outgoing_.resize(row_length());
-  incoming_.resize(row_length());
-  if (!settings_.own_thread) return;
-  queue_ = std::make_unique<Queue>(kQueuedRows * row_length());
-  thread_ = std::thread{[this] { run_writer(); }};
-}
-
-void Recorder::write_queued() {
-  writer_->set_rows_missing(missing_rows_.load(std::memory_order_relaxed));
-  while (queue_->read_available() >= row_length()) {
-    queue_->pop(incoming_.data(), row_length());
-    writer_->append(from_seconds(incoming_[0]), std::span{incoming_}.subspan(1));
-  }
-}
-
-void Recorder::run_writer() noexcept {
-  try {
-    while (!finish_.load(std::memory_order_acquire)) {
-      write_queued();
-      std::this_thread::sleep_for(kWriterNap);
-    }
-    write_queued();
-    writer_->close();
-  } catch (const std::exception& error) {
-    failure_ = error.what();
-    failed_.store(true, std::memory_order_release);
-  }
-}
-
-void Recorder::write_now(const StepData& step) noexcept {
-  try {
-    writer_->append(from_seconds(step.time), step.inputs);
-  } catch (const std::exception& error) {
-    failure_ = error.what();
-    failed_.store(true, std::memory_order_release);
-  }
-}
-
-void Recorder::record(StepData& step) noexcept {
-  if (step.age >= settings_.period || (queue_ && queue_->write_available() < row_length())) {
-    step.outputs[0] =
-        static_cast<double>(missing_rows_.fetch_add(1, std::memory_order_relaxed) + 1);
-  } else if (queue_) {
-    outgoing_[0] = step.time;
-    std::copy(step.inputs.begin(), step.inputs.end(), outgoing_.begin() + 1);
-    queue_->push(outgoing_.data(), row_length());
-  } else {
-    write_now(step);
-  }
-}
-
-Status Recorder::step(StepData& step) noexcept {
-  if (failed_.load(std::memory_order_acquire)) {
-    step.message = failure_.c_str();
-    return Status::Fault;
-  }
-  record(step);
-  if (!step.stopping) return Status::Ok;
-  if (stopped_at_ < 0) stopped_at_ = step.time;
-  for (auto& layer : safety_layers_)
-    if (layer.is_moving_its_machine(step)) moved_at_ = step.time;
-  const double since = step.time - stopped_at_;
-  const bool is_over = since >= settings_.linger && step.time - moved_at_ >= kSettling;
-  return is_over || since >= settings_.longest ? Status::Done : Status::Ok;
-}
-
-void Recorder::stop_writer() noexcept {
-  finish_.store(true, std::memory_order_release);
-  if (thread_.joinable()) thread_.join();
-}
-
-// Rows may still be queued after the last step.
-void Recorder::deactivate() {
-  stop_writer();
-  if (failed_.load(std::memory_order_acquire)) throw Error{failure_};
-  if (writer_) writer_->close();
-}
 
 }  // namespace
 
