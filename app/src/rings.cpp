@@ -8,7 +8,7 @@
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
-#include <rths/launch/privileges.hpp>
+#include <rths/launch/run.hpp>
 
 #include "command.hpp"
 #include "commands.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "assembly.hpp"
 #include "host_words.hpp"
+#include "run_modes.hpp"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <thread>
 
-#include <rths/launch/privileges.hpp>
+#include <rths/launch/run.hpp>
 
 namespace rths::launch {
 

@@ -19,7 +19,6 @@
 #include "peer_watch.hpp"
 #include "realtime_thread.hpp"
 #include "run_modes.hpp"
-#include "step_times.hpp"
 
 namespace rths::launch {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
-#include "launch/src/step_times.hpp"
+#include "launch/src/launcher_link.hpp"
 
 namespace rths::launch {
 namespace {

@@ -8,7 +8,6 @@
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/recording/recording.hpp>
 
-#include "launch/src/assembly.hpp"
 #include "launch/src/run_modes.hpp"
 #include "support/files.hpp"
 

@@ -11,6 +11,9 @@
 
 namespace rths::launch {
 
+/// Real-time privileges that this user lacks, as text; empty if none.   @setup
+[[nodiscard]] std::string missing_privileges();
+
 using experiment::Experiment;
 using experiment::NodePlan;
 using experiment::Overrides;
