@@ -106,36 +106,104 @@ struct Laboratory::State {
   std::map<std::string, std::unique_ptr<Link>> links;  ///< by node
   std::map<std::string, Started> programs;             ///< by name
 
-  Started& program(const std::string& wanted);
-  Link& link(const std::string& node);
+  Started& program(const std::string& wanted) {
+    const auto found = programs.find(wanted);
+    if (found != programs.end()) return found->second;
+    std::vector<std::string> names;
+    for (const auto& [known, started] : programs) names.push_back(known);
+    throw Error{fmt::format("there is no program '{}', expected one of: {}", wanted,
+                            fmt::join(names, ", "))};
+  }
+
+  Link& link(const std::string& node) {
+    const auto found = links.find(node);
+    if (found == links.end())
+      throw Error{fmt::format(
+          "the program of node '{}' is not linked, so its messages cannot be changed", node)};
+    return *found->second;
+  }
+
   Link& link_of(const memmap::SignalEntry& entry) { return link(entry.partition->node); }
   /// Calls `changed` with each value, first the present one, until it returns true or the time is
   /// over. @returns the last value
   template <class Changed>
-  double follow(double seconds, const std::string& signal, Changed changed);
-  void wait_for_node(const Program& program, const std::string& program_name);
-  void check_programs();
-  void check_stores();
-  [[nodiscard]] bool has_suspicion() const;
-  void end_programs();
+
+  double follow(double seconds, const std::string& signal, Changed changed) {
+    const WallClock clock;
+    const auto follower = ring->follow({signal});
+    const TimePoint latest = std::min(deadline, clock.now() + duration_of("the time", seconds));
+    double value = observer->read(signal);
+    bool is_over = changed(value);
+    while (!is_over) {
+      broker::Write write;
+      const Status status = follower->wait(std::min(latest, clock.now() + kProgramLook), write);
+      if (status == Status::Late) {
+        if (clock.now() >= latest) break;
+        check_programs();
+        continue;
+      }
+      if (status == Status::LimitExceeded)
+        throw NotMet{
+            fmt::format("{}: writes were lost: the test was more than a journal behind", signal)};
+      value = follower->change_of(write).values.front().second;
+      is_over = changed(value);
+    }
+    return value;
+  }
+
+  void wait_for_node(const Program& wanted, const std::string& program_name) {
+    WallClock clock;
+    const TimePoint latest = std::min(deadline, clock.now() + from_seconds(wanted.ready_s));
+    Started& started = programs.at(program_name);
+    while (observer->presence_of(wanted.node) != "alive") {
+      if (started.process->has_ended()) {
+        const auto failure = started.process->failure();
+        if (!failure) return;  // it was on the ring between two looks
+        throw NotMet{fmt::format("program '{}' ended before node '{}' was on the ring: {}",
+                                 program_name, wanted.node, *failure)};
+      }
+      if (clock.now() >= latest)
+        throw NotMet{fmt::format("node '{}' of program '{}' was not on the ring within {:g} s",
+                                 wanted.node, program_name, wanted.ready_s)};
+      clock.sleep_until(clock.now() + kStartLook);
+    }
+  }
+
+  void check_programs() {
+    for (auto& [program_name, started] : programs)
+      if (!started.is_killed && started.process->has_ended())
+        if (const auto failure = started.process->failure()) throw NotMet{*failure};
+    for (const auto& [node, link] : links)
+      if (const auto trouble = link->trouble(); !trouble.empty()) throw Error{trouble};
+    check_stores();
+  }
+
+  void check_stores() {
+    if (const auto text = recorder->foreign_log().first(); !text.empty()) throw NotMet{text};
+    for (const auto& [node, link] : links)
+      if (const auto text = link->foreign_log().first(); !text.empty()) throw NotMet{text};
+  }
+
+  [[nodiscard]] bool has_suspicion() const {
+    return recorder->foreign_log().has_suspicion() ||
+           std::any_of(links.begin(), links.end(),
+                       [](const auto& link) { return link.second->foreign_log().has_suspicion(); });
+  }
+
+  void end_programs() {
+    for (auto& [program_name, started] : programs) {
+      if (started.process->has_ended()) continue;
+      ::kill(-started.process->process(), SIGCONT);
+      started.process->ask_to_end();
+    }
+    const TimePoint latest = WallClock{}.now() + kGrace;
+    for (auto& [program_name, started] : programs)
+      started.process->wait(latest - WallClock{}.now());
+    for (auto& [program_name, started] : programs)
+      ::kill(-started.process->process(), SIGKILL);  // also those that it has started and left
+    programs.clear();
+  }
 };
-
-Laboratory::State::Started& Laboratory::State::program(const std::string& wanted) {
-  const auto found = programs.find(wanted);
-  if (found != programs.end()) return found->second;
-  std::vector<std::string> names;
-  for (const auto& [known, started] : programs) names.push_back(known);
-  throw Error{
-      fmt::format("there is no program '{}', expected one of: {}", wanted, fmt::join(names, ", "))};
-}
-
-Link& Laboratory::State::link(const std::string& node) {
-  const auto found = links.find(node);
-  if (found == links.end())
-    throw Error{fmt::format(
-        "the program of node '{}' is not linked, so its messages cannot be changed", node)};
-  return *found->second;
-}
 
 Laboratory::Laboratory(std::filesystem::path folder, const std::string& map, double deadline_s)
     : state_{std::make_unique<State>()} {
@@ -153,24 +221,6 @@ Laboratory::~Laboratory() { close(); }
 const std::string& Laboratory::name() const { return state_->name; }
 const std::filesystem::path& Laboratory::folder() const { return state_->folder; }
 const std::shared_ptr<SignalRing>& Laboratory::ring() const { return state_->ring; }
-
-void Laboratory::State::wait_for_node(const Program& wanted, const std::string& program_name) {
-  WallClock clock;
-  const TimePoint latest = std::min(deadline, clock.now() + from_seconds(wanted.ready_s));
-  Started& started = programs.at(program_name);
-  while (observer->presence_of(wanted.node) != "alive") {
-    if (started.process->has_ended()) {
-      const auto failure = started.process->failure();
-      if (!failure) return;  // it was on the ring between two looks
-      throw NotMet{fmt::format("program '{}' ended before node '{}' was on the ring: {}",
-                               program_name, wanted.node, *failure)};
-    }
-    if (clock.now() >= latest)
-      throw NotMet{fmt::format("node '{}' of program '{}' was not on the ring within {:g} s",
-                               wanted.node, program_name, wanted.ready_s)};
-    clock.sleep_until(clock.now() + kStartLook);
-  }
-}
 
 void Laboratory::start(const Program& program) {
   const std::string name = program.name.empty() ? program.node : program.name;
@@ -226,47 +276,30 @@ void Laboratory::thaw(const std::string& program) {
   if (!process.has_ended()) ::kill(-process.process(), SIGCONT);
 }
 
-void Laboratory::drop(const std::string& node) { state_->link(node).drop(); }
+void Laboratory::drop(const std::string& node) {
+  state_->link(node).change_faults([](auto& faults) { faults.drops_all = true; });
+}
 
 void Laboratory::drop_signal(const std::string& signal) {
   const auto& entry = state_->ring->entry(signal);
-  state_->link_of(entry).drop(entry.signal->offset);
+  const std::uint32_t offset = entry.signal->offset.value();
+  state_->link_of(entry).change_faults([&](auto& faults) { faults.dropped.insert(offset); });
 }
 
 void Laboratory::delay(const std::string& node, double seconds) {
-  state_->link(node).delay(duration_of("the delay", seconds));
+  state_->link(node).change_faults(
+      [delay = duration_of("the delay", seconds)](auto& faults) { faults.delay = delay; });
 }
 
 void Laboratory::flip(const std::string& signal, int bit) {
   if (bit < 0 || bit > 31) throw Error{fmt::format("the bit is {}, expected 0 to 31", bit)};
   const auto& entry = state_->ring->entry(signal);
-  state_->link_of(entry).flip(entry.signal->offset, static_cast<std::uint32_t>(bit));
+  state_->link_of(entry).change_faults(
+      [&](auto& faults) { faults.flips[entry.signal->offset.value()] ^= std::uint32_t{1} << bit; });
 }
 
-void Laboratory::restore(const std::string& node) { state_->link(node).restore(); }
-
-template <class Changed>
-double Laboratory::State::follow(double seconds, const std::string& signal, Changed changed) {
-  const WallClock clock;
-  const auto follower = ring->follow({signal});
-  const TimePoint latest = std::min(deadline, clock.now() + duration_of("the time", seconds));
-  double value = observer->read(signal);
-  bool is_over = changed(value);
-  while (!is_over) {
-    broker::Write write;
-    const Status status = follower->wait(std::min(latest, clock.now() + kProgramLook), write);
-    if (status == Status::Late) {
-      if (clock.now() >= latest) break;
-      check_programs();
-      continue;
-    }
-    if (status == Status::LimitExceeded)
-      throw NotMet{
-          fmt::format("{}: writes were lost: the test was more than a journal behind", signal)};
-    value = follower->change_of(write).values.front().second;
-    is_over = changed(value);
-  }
-  return value;
+void Laboratory::restore(const std::string& node) {
+  state_->link(node).change_faults([](auto& faults) { faults = {}; });
 }
 
 double Laboratory::expect_within(double seconds, const std::string& signal,
@@ -324,12 +357,6 @@ bool Laboratory::has_ended(const std::string& program) {
 
 void Laboratory::check_programs() { state_->check_programs(); }
 
-bool Laboratory::State::has_suspicion() const {
-  return recorder->foreign_log().has_suspicion() ||
-         std::any_of(links.begin(), links.end(),
-                     [](const auto& link) { return link.second->foreign_log().has_suspicion(); });
-}
-
 // The thread makes the last look after this call has begun.
 void Laboratory::check_owners() {
   if (!state_->ring) return;
@@ -338,34 +365,6 @@ void Laboratory::check_owners() {
   do clock.sleep_until(clock.now() + kLastLooks);
   while (state_->has_suspicion() && clock.now() < latest);
   state_->check_stores();
-}
-
-void Laboratory::State::check_stores() {
-  if (const auto text = recorder->foreign_log().first(); !text.empty()) throw NotMet{text};
-  for (const auto& [node, link] : links)
-    if (const auto text = link->foreign_log().first(); !text.empty()) throw NotMet{text};
-}
-
-void Laboratory::State::check_programs() {
-  for (auto& [program_name, started] : programs)
-    if (!started.is_killed && started.process->has_ended())
-      if (const auto failure = started.process->failure()) throw NotMet{*failure};
-  for (const auto& [node, link] : links)
-    if (const auto trouble = link->trouble(); !trouble.empty()) throw Error{trouble};
-  check_stores();
-}
-
-void Laboratory::State::end_programs() {
-  for (auto& [program_name, started] : programs) {
-    if (started.process->has_ended()) continue;
-    ::kill(-started.process->process(), SIGCONT);
-    started.process->ask_to_end();
-  }
-  const TimePoint latest = WallClock{}.now() + kGrace;
-  for (auto& [program_name, started] : programs) started.process->wait(latest - WallClock{}.now());
-  for (auto& [program_name, started] : programs)
-    ::kill(-started.process->process(), SIGKILL);  // also those that it has started and left
-  programs.clear();
 }
 
 void Laboratory::close() {

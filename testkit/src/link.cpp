@@ -2,6 +2,7 @@
 #include "link.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <optional>
 
 #include <fmt/format.h>
@@ -248,26 +249,6 @@ void Link::carry() {
   if (!is_ready) ready_.fetch_add(1);
 }
 
-void Link::drop() {
-  const std::lock_guard lock{mutex_};
-  faults_.drops_all = true;
-}
-void Link::drop(LongwordOffset offset) {
-  const std::lock_guard lock{mutex_};
-  faults_.dropped.insert(offset.value());
-}
-void Link::delay(Duration delay) {
-  const std::lock_guard lock{mutex_};
-  faults_.delay = delay;
-}
-void Link::flip(LongwordOffset offset, std::uint32_t bit) {
-  const std::lock_guard lock{mutex_};
-  faults_.flips[offset.value()] ^= std::uint32_t{1} << bit;
-}
-void Link::restore() {
-  const std::lock_guard lock{mutex_};
-  faults_ = {};
-}
 std::string Link::trouble() const {
   const std::lock_guard lock{mutex_};
   return trouble_;

@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <mutex>
 #include <set>
@@ -15,7 +14,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
 
-#include "foreign_log.hpp"
+#include "recorder.hpp"
 
 namespace rths::testkit {
 
@@ -34,14 +33,19 @@ class Link {
 
   /// Name of the ring of the program.
   [[nodiscard]] const std::string& image() const { return image_; }
-  /// Drops all writes of the node, or those to one longword, until `restore`.
-  void drop();
-  void drop(LongwordOffset offset);
-  /// Delays the writes that follow.
-  void delay(Duration delay);
-  /// Inverts a bit of a longword in the writes that follow.
-  void flip(LongwordOffset offset, std::uint32_t bit);
-  void restore();
+  /// Faults of the writes of the node.
+  struct Faults {
+    bool drops_all = false;
+    std::set<std::uint32_t> dropped;               ///< offsets
+    std::map<std::uint32_t, std::uint32_t> flips;  ///< inverted bits by offset
+    Duration delay{0};
+  };
+  /// Changes the faults of the writes that follow.
+  template <class Change>
+  void change_faults(Change change) {
+    const std::lock_guard lock{mutex_};
+    change(faults_);
+  }
   /// The first error of its threads; empty if none.
   [[nodiscard]] std::string trouble() const;
   /// Stores of the program into words of other nodes.
@@ -53,12 +57,6 @@ class Link {
     std::uint32_t offset;
     bool is_group;
     std::vector<std::uint32_t> words;
-  };
-  struct Faults {
-    bool drops_all = false;
-    std::set<std::uint32_t> dropped;               ///< offsets
-    std::map<std::uint32_t, std::uint32_t> flips;  ///< bits by offset
-    Duration delay{0};
   };
   class Double;
   class Outward;

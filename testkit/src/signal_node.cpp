@@ -128,15 +128,8 @@ std::uint64_t SignalNode::beats_of(const std::string& other) {
 }
 
 std::string SignalNode::presence_of(const std::string& other) {
-  switch (node().presence_of(ring_->map().node(other)).state) {
-    case broker::Presence::State::Absent:
-      return "absent";
-    case broker::Presence::State::Alive:
-      return "alive";
-    case broker::Presence::State::Vanished:
-      return "vanished";
-  }
-  return "absent";
+  constexpr const char* kStates[] = {"absent", "alive", "vanished"};  // as Presence::State
+  return kStates[static_cast<int>(node().presence_of(ring_->map().node(other)).state)];
 }
 
 }  // namespace rths::testkit
