@@ -8,7 +8,7 @@ if(NOT pybind11_FOUND)
   find_package(pybind11 2.13 CONFIG REQUIRED PATHS ${pybind11}/pybind11 NO_DEFAULT_PATH)
 endif()
 
-set(sources conversions.cpp follower.cpp module.cpp recording.cpp testkit.cpp)
+set(sources conversions.cpp module.cpp recording.cpp testkit.cpp)
 list(TRANSFORM sources PREPEND ${CMAKE_CURRENT_LIST_DIR}/src/)
 pybind11_add_module(rths_python MODULE NO_EXTRAS ${sources})
 target_link_libraries(rths_python PRIVATE rths::recording rths::testkit fmt::fmt $<TARGET_NAME_IF_EXISTS:rths_warnings>)

@@ -1,19 +1,97 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The extension rths._rths. The package's modules in Python are its only users.
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include <rths/broker/ring.hpp>
+#include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 #include <rths/memmap/units.hpp>
 #include <rths/testkit/expectation.hpp>
+#include <rths/testkit/signals.hpp>
 
 #include "bindings.hpp"
-#include "follower.hpp"
 
 namespace rths::python {
 namespace {
+
+/// A follower was more than a journal behind.
+class LostWrites : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Waits for the writes to given signals, each once and in its writer's order, beginning now.
+class Follower {
+ public:
+  /// @throws Error for an unknown signal, or if there are none
+  Follower(const std::shared_ptr<testkit::SignalRing>& ring,
+           const std::vector<std::string>& signals)
+      : follower_{ring->follow(signals)} {}
+
+  /// The next write; empty if there is none within the time. Releases Python's global lock while it
+  /// waits, and ends early if Python has a signal to handle.
+  /// @param timeout_s  0 to a million [s]
+  /// @throws LostWrites and continues at the newest write; Error if another thread is waiting
+  [[nodiscard]] std::optional<testkit::Change> wait(double timeout_s);
+
+ private:
+  std::unique_ptr<testkit::SignalFollower> follower_;
+  bool is_waiting_ = false;
+};
+
+constexpr double kLongestTimeout = 1e6;  // [s]
+
+constexpr Duration kSignalPeriod = std::chrono::milliseconds{50};  // between checks for Ctrl-C
+
+TimePoint deadline_after(double timeout_s) {
+  if (!(timeout_s >= 0 && timeout_s <= kLongestTimeout))
+    throw Error{fmt::format("timeout_s is {}, expected 0 to {} s", timeout_s, kLongestTimeout)};
+  return WallClock{}.now() + from_seconds(timeout_s);
+}
+
+/// Marks a follower as waiting. Changed only while the global lock is held.
+class Waiting {
+ public:
+  explicit Waiting(bool& flag) : flag_{flag} {
+    if (flag) throw Error{"another thread waits for this follower, expected one for each thread"};
+    flag = true;
+  }
+  ~Waiting() { flag_ = false; }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+
+ private:
+  bool& flag_;
+};
+
+std::optional<testkit::Change> Follower::wait(double timeout_s) {
+  const TimePoint deadline = deadline_after(timeout_s);
+  const Waiting waiting{is_waiting_};
+  const WallClock clock;
+  for (;;) {
+    broker::Write write;
+    Status status = Status::Late;
+    {
+      const pybind11::gil_scoped_release release;
+      status = follower_->wait(std::min(deadline, clock.now() + kSignalPeriod), write);
+    }
+    if (status == Status::Ok) return follower_->change_of(write);
+    if (status == Status::LimitExceeded)
+      throw LostWrites{"this follower was more than a journal behind: some writes were lost"};
+    if (PyErr_CheckSignals() != 0) throw pybind11::error_already_set{};
+    if (clock.now() >= deadline) return std::nullopt;
+  }
+}
 
 namespace py = pybind11;
 using Unlocked = py::call_guard<py::gil_scoped_release>;
