@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
-#include "actuator_kinds.hpp"
 #include "compliance.hpp"
 #include "kinds.hpp"
 #include "lag.hpp"
@@ -9,13 +8,11 @@
 namespace rths::sim {
 namespace {
 
-struct RateSaturation {
+struct RateSaturation : Acts<Stage::Actuator, kPerAxis> {
   static constexpr std::string_view kName = "rate_saturation";
   static constexpr std::string_view kTitle = "velocity limit of the actuator";
   static constexpr std::string_view kEquation = "u follows the command with |u'| <= v_max";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kRate };
   static constexpr Parameter kParameters[] = {{"velocity_limit", "m/s", 1e-6, 1e3, 1e3, 0.3}};
   static constexpr std::size_t kStates = std::size_t{2} * kHorizontalAxes;  // started, u
@@ -44,13 +41,11 @@ struct RateSaturation {
 // T u' = e − clip(e, d), e = command − u. Outside the dead band, the excess x = e ∓ d obeys
 // x' = s − x/T with the command's velocity s, solved exactly; inside, u rests. In a step that
 // leaves the band, only the time after the edge counts.
-struct ValveDeadband {
+struct ValveDeadband : Acts<Stage::Actuator, kPerAxis> {
   static constexpr std::string_view kName = "valve_deadband";
   static constexpr std::string_view kTitle = "dead band of the servo valve";
   static constexpr std::string_view kEquation = "T u' = e - clip(e, d),  e = command - u";
   static constexpr std::string_view kSource = "Merritt 1967, chapter 5, in a position loop";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kBand, kTimeConstant };
   static constexpr Parameter kParameters[] = {{"dead_band", "m", 0, 10, 0, 1e-3},
                                               {"time_constant", "s", 0, 10, 0, 20e-3}};
@@ -68,8 +63,6 @@ struct ValveDeadband {
   template <class Real>
   static Beyond<Real> beyond(const Real& before, const Real& error, const Real& edge,
                              const Real& steps, bool came) {
-    using std::exp;
-    using std::log1p;
     // Without a lag the edge of the band pushes u directly.
     if (!(steps > kShortestLag)) return {};
     const Real slope = error - before;
@@ -124,13 +117,11 @@ struct ValveDeadband {
   }
 };
 
-struct LoadCompliance {
+struct LoadCompliance : Acts<Stage::Actuator, kPerAxis> {
   static constexpr std::string_view kName = "load_compliance";
   static constexpr std::string_view kTitle = "compliance of the actuator under load";
   static constexpr std::string_view kEquation = "u = command - chi f,  T^2 f'' + 2 T f' + f = F";
   static constexpr std::string_view kSource = "textbook; solution: docs/theory/machine_terms.md";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kCompliance, kStiffness, kTimeConstant };
   static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate,
@@ -160,11 +151,10 @@ struct LoadCompliance {
   }
 };
 
-constexpr TermKind kActuatorLimitKinds[] = {kind_of<RateSaturation>(), kind_of<ValveDeadband>(),
-                                            kind_of<LoadCompliance>()};
-
 }  // namespace
 
-std::span<const TermKind> actuator_limit_kinds() { return kActuatorLimitKinds; }
+std::span<const TermKind> actuator_limit_kinds() {
+  return kinds_of<RateSaturation, ValveDeadband, LoadCompliance>();
+}
 
 }  // namespace rths::sim

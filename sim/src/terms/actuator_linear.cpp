@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
-#include "actuator_kinds.hpp"
 
 #include "delay_line.hpp"
 #include "kinds.hpp"
@@ -11,7 +10,13 @@ namespace rths::sim {
 namespace {
 
 // Linear terms act on displacement, velocity and acceleration alike.
+constexpr std::size_t kMotionSignals = 3;  // displacement, velocity, acceleration
 constexpr std::size_t kSignals = kHorizontalAxes * kMotionSignals;
+
+template <class Real>
+std::array<Real*, kMotionSignals> motion_of(Quantities<Real>& q, std::size_t axis) {
+  return {&q.displacement[axis], &q.velocity[axis], &q.acceleration[axis]};
+}
 
 template <class Lag, class Real>
 void lag_motion(const TermView<Real>& term, Quantities<Real>& q, const Lag& lag) {
@@ -24,13 +29,11 @@ void lag_motion(const TermView<Real>& term, Quantities<Real>& q, const Lag& lag)
   });
 }
 
-struct ActuatorDelay {
+struct ActuatorDelay : Acts<Stage::Actuator, kPerAxis | kDelaysCommand> {
   static constexpr std::string_view kName = "actuator_delay";
   static constexpr std::string_view kTitle = "pure delay of the actuator";
   static constexpr std::string_view kEquation = "u(t) = command(t - tau)";
   static constexpr std::string_view kSource = "Horiuchi et al. 1999; cubic interpolation is ours";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis | kDelaysCommand;
   enum { kDelay };
   static constexpr double kLongest = 0.2;  // [s]
   static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};
@@ -51,13 +54,11 @@ struct ActuatorDelay {
   }
 };
 
-struct ActuatorLag {
+struct ActuatorLag : Acts<Stage::Actuator, kPerAxis> {
   static constexpr std::string_view kName = "first_order_lag";
   static constexpr std::string_view kTitle = "first-order lag of the actuator";
   static constexpr std::string_view kEquation = "T u' + u = command";
   static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kTimeConstant };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 20e-3}};
   static constexpr std::size_t kStates = kSignals * FirstOrderLag<double>::kStates;
@@ -68,9 +69,7 @@ struct ActuatorLag {
   }
 };
 
-struct SecondOrderActuator {
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
+struct SecondOrderActuator : Acts<Stage::Actuator, kPerAxis> {
   enum { kTimeConstant, kDamping };
   static constexpr std::size_t kStates = kSignals * SecondOrderLag<double>::kStates;
 
@@ -83,15 +82,13 @@ struct SecondOrderActuator {
 };
 
 // With the dead band of a valve and the velocity limit of a piston.
-struct ActuatorBandwidth {
+struct ActuatorBandwidth : Acts<Stage::Actuator, kPerAxis> {
   static constexpr std::string_view kName = "actuator_bandwidth";
   static constexpr std::string_view kTitle = "second-order lag of the actuator";
   static constexpr std::string_view kEquation =
       "T^2 u'' + 2 zeta T u' = e - clip(e, d),  e = command - u,  |u'| <= v,  T = 1/(2 pi f)";
   static constexpr std::string_view kSource =
       "Merritt 1967; exact for a command linear in each step within the limits";
-  static constexpr Stage kStage = Stage::Actuator;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kTimeConstant, kDamping, kDeadBand, kVelocityLimit };
   static constexpr double kUnlimited = 1e6;  // [m/s]
   static constexpr Parameter kParameters[] = {
@@ -162,12 +159,10 @@ struct OilColumnResonance : SecondOrderActuator {
                                               {"damping", "-", 0.001, 10, 0.1, 0.1}};
 };
 
-constexpr TermKind kLinearActuatorKinds[] = {kind_of<ActuatorDelay>(), kind_of<ActuatorLag>(),
-                                             kind_of<ActuatorBandwidth>(),
-                                             kind_of<OilColumnResonance>()};
-
 }  // namespace
 
-std::span<const TermKind> linear_actuator_kinds() { return kLinearActuatorKinds; }
+std::span<const TermKind> linear_actuator_kinds() {
+  return kinds_of<ActuatorDelay, ActuatorLag, ActuatorBandwidth, OilColumnResonance>();
+}
 
 }  // namespace rths::sim

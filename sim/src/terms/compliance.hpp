@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "machine_kinds.hpp"
+#include <rths/sim/term.hpp>
 
 namespace rths::sim {
 

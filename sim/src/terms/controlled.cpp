@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Devices whose resistance is controlled while they move: magnetorheological dampers.
 #include "delay_line.hpp"
-#include "hysteresis_kinds.hpp"
+#include "hysteresis.hpp"
 #include "kinds.hpp"
 #include "lag.hpp"
 #include "presliding.hpp"
@@ -16,15 +16,13 @@ Real level_of(const Real* coefficients, const Real& current) {
   return level < 0 ? Real{0} : level;
 }
 
-struct CurrentDependentFriction {
+struct CurrentDependentFriction : Acts<Stage::Restoring, kPerAxis | kControlled> {
   static constexpr std::string_view kName = "current_dependent_friction";
   static constexpr std::string_view kTitle = "current-controlled friction of a damper";
   static constexpr std::string_view kEquation =
       "F = max(0, F_0 + F_1 I + F_2 I^2) s |v|/(|v| + v_c),  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource =
       "Dahl 1968, exponent 1; polynomial and creep are ours";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis | kControlled;
   enum { kForce, kPerCurrent, kPerSquare, kPresliding, kCreep };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               {"force_per_current", "N/A", -1e12, 1e12, 0, 2e4},
@@ -35,7 +33,6 @@ struct CurrentDependentFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::abs;
     const Real level = level_of(term.parameters + kForce, q.auxiliary) * q.strength;
     for_each_active_axis(term, [&](std::size_t axis) {
       const Real speed = abs(q.velocity[axis]);
@@ -47,13 +44,12 @@ struct CurrentDependentFriction {
   }
 };
 
-struct CurrentDependentDamping {
+struct CurrentDependentDamping
+    : Acts<Stage::Restoring, kDissipative | kFrameIndifferent | kPerAxis | kControlled> {
   static constexpr std::string_view kName = "current_dependent_damping";
   static constexpr std::string_view kTitle = "current-controlled viscosity of a damper";
   static constexpr std::string_view kEquation = "F = max(0, c_0 + c_1 I + c_2 I^2) v";
   static constexpr std::string_view kSource = "textbook; the polynomial is ours";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent | kPerAxis | kControlled;
   enum { kCoefficient, kPerCurrent, kPerSquare };
   static constexpr Parameter kParameters[] = {
       {"coefficient", "N*s/m", 0, 1e13, 0, 2e4},
@@ -69,14 +65,12 @@ struct CurrentDependentDamping {
 };
 
 // The coil and its amplifier: the field follows the recorded voltage or set current.
-struct ControlLag {
+struct ControlLag : Acts<Stage::Modifier, kControlled> {
   static constexpr std::string_view kName = "control_lag";
   static constexpr std::string_view kTitle = "first-order lag of a device's control input";
   static constexpr std::string_view kEquation = "T I' + I = recorded input";
   static constexpr std::string_view kSource =
       "Spencer, Dyke, Sain & Carlson 1997; exact for an input linear in each step";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kControlled;
   enum { kTimeConstant };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 20e-3}};
   static constexpr std::size_t kStates = FirstOrderLag<double>::kStates;
@@ -88,13 +82,11 @@ struct ControlLag {
   }
 };
 
-struct ControlDelay {
+struct ControlDelay : Acts<Stage::Modifier, kControlled> {
   static constexpr std::string_view kName = "control_delay";
   static constexpr std::string_view kTitle = "pure delay of a device's control input";
   static constexpr std::string_view kEquation = "I(t) = recorded input(t - tau)";
   static constexpr std::string_view kSource = "textbook; cubic interpolation is ours";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kControlled;
   enum { kDelay };
   static constexpr double kLongest = 0.2;  // [s]
   static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};
@@ -112,12 +104,10 @@ struct ControlDelay {
   }
 };
 
-constexpr TermKind kControlledKinds[] = {kind_of<ControlLag>(), kind_of<ControlDelay>(),
-                                         kind_of<CurrentDependentFriction>(),
-                                         kind_of<CurrentDependentDamping>()};
-
 }  // namespace
 
-std::span<const TermKind> controlled_kinds() { return kControlledKinds; }
+std::span<const TermKind> controlled_kinds() {
+  return kinds_of<ControlLag, ControlDelay, CurrentDependentFriction, CurrentDependentDamping>();
+}
 
 }  // namespace rths::sim

@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
-
 #include <rths/sim/dual.hpp>
 #include <rths/sim/term.hpp>
 
 #include "plane.hpp"
 
 namespace rths::sim {
-
-// The kinds of elastomeric bearings (docs/theory/lead_rubber.md). Within a stage they act in this
-// order: first the inputs of the axial law, then the axial law.
-std::span<const TermKind> elastomeric_vertical_kinds();
-std::span<const TermKind> elastomeric_modifier_kinds();
-std::span<const TermKind> lead_heating_kinds();
-std::span<const TermKind> elastomeric_restoring_kinds();
 
 /// Multiplies by the factor, or by 0 if it is negative: strength and stiffness never change sign.
 template <class Real>
@@ -29,7 +20,6 @@ inline constexpr Parameter kElasticShareParameter = {"elastic_share", "-", 0, 1,
 
 template <class Real>
 void weaken(Quantities<Real>& q, const Real& factor, const Real& elastic_share) {
-  using std::pow;
   q.strength *= factor;
   if (!is_just(elastic_share, 0) && factor > 0) q.elastic_stiffness *= pow(factor, elastic_share);
 }

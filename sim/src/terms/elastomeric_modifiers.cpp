@@ -9,13 +9,11 @@
 namespace rths::sim {
 namespace {
 
-struct HorizontalStiffnessVariation {
+struct HorizontalStiffnessVariation : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "horizontal_stiffness_variation";
   static constexpr std::string_view kTitle = "stiffness that falls towards the buckling load";
   static constexpr std::string_view kEquation = "K = K_0 max(0, 1 - c (N/P_cr)^2)";
   static constexpr std::string_view kSource = "Koh & Kelly 1988, as in Kumar et al. 2014";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", 0, 10, 0, 1}};
 
@@ -27,14 +25,12 @@ struct HorizontalStiffnessVariation {
   }
 };
 
-struct AxialLoadStrength {
+struct AxialLoadStrength : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "axial_load_strength";
   static constexpr std::string_view kTitle = "strength that depends on the axial load";
   static constexpr std::string_view kEquation =
       "Q = Q_0 f,  k = k_0 f^s,  f = max(0, 1 + k_Q (N - N_0)/N_0)";
   static constexpr std::string_view kSource = "first-order; confinement of the lead plug";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kReference, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.2},
                                               {"reference_load", "N", 1e-6, 1e10, 9.7e6, 9.7e6},
@@ -49,13 +45,11 @@ struct AxialLoadStrength {
   }
 };
 
-struct AxialLoadStiffness {
+struct AxialLoadStiffness : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "axial_load_stiffness";
   static constexpr std::string_view kTitle = "stiffness that depends on the axial load";
   static constexpr std::string_view kEquation = "K = K_0 max(0, 1 - k_K ((N/N_0)^2 - 1))";
   static constexpr std::string_view kSource = "Koh & Kelly 1988, about the load N_0 of the test";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kReference };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.05},
                                               {"reference_load", "N", 1e-6, 1e10, 9.7e6, 9.7e6}};
@@ -68,13 +62,11 @@ struct AxialLoadStiffness {
   }
 };
 
-struct Scragging {
+struct Scragging : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "scragging";
   static constexpr std::string_view kTitle = "virgin stiffness lost with peak displacement";
   static constexpr std::string_view kEquation = "K = K_0 (1 + s exp(-u_max/u_s))";
   static constexpr std::string_view kSource = "Mullins 1969; Thompson et al. 2000";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kExcess, kDisplacement };
   static constexpr Parameter kParameters[] = {
       {"virgin_excess", "-", 0, 10, 0, 0.2}, {"scragging_displacement", "m", 1e-7, 10, 0.05, 0.05}};
@@ -82,7 +74,6 @@ struct Scragging {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     const Real* p = term.parameters;
     Real& largest = term.state[0];
     const Real u = length(displacement_of(q));
@@ -91,14 +82,12 @@ struct Scragging {
   }
 };
 
-struct RateDependentStrength {
+struct RateDependentStrength : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "rate_dep_strength";
   static constexpr std::string_view kTitle = "strength that grows with velocity";
   static constexpr std::string_view kEquation =
       "Q = Q_0 f,  k = k_0 f^s,  f = 1 + r ln(1 + |v|/v_0)";
   static constexpr std::string_view kSource = "logarithmic rate law; Robinson 1982 for lead";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kVelocity, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", 0, 10, 0, 0.05},
                                               {"reference_velocity", "m/s", 1e-8, 10, 0.05, 0.05},
@@ -106,22 +95,19 @@ struct RateDependentStrength {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::log1p;
     const Real* p = term.parameters;
-    const Real speed = length(Plane<Real>{q.velocity[0], q.velocity[1]});
+    const Real speed = length(velocity_of(q));
     weaken<Real>(q, 1 + p[kCoefficient] * log1p(speed / p[kVelocity]), p[kElasticShare]);
   }
 };
 
-struct AgeingTemperature {
+struct AgeingTemperature : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "ageing_temperature";
   static constexpr std::string_view kTitle = "ageing and ambient temperature";
   static constexpr std::string_view kEquation =
       "K = K_0 (1 + a_K) exp(-k_K T),  Q = Q_0 (1 + a_Q) exp(-k_Q T)";
   static constexpr std::string_view kSource =
       "property modification factors, Constantinou et al. 2007";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffnessAgeing, kStrengthAgeing, kStiffnessFall, kStrengthFall };
   static constexpr Parameter kParameters[] = {{"stiffness_ageing", "-", -0.9, 10, 0, 0.1},
                                               {"strength_ageing", "-", -0.9, 10, 0, 0.05},
@@ -130,20 +116,17 @@ struct AgeingTemperature {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     const Real* p = term.parameters;
     q.stiffness *= (1 + p[kStiffnessAgeing]) * exp(-p[kStiffnessFall] * q.temperature);
     q.strength *= (1 + p[kStrengthAgeing]) * exp(-p[kStrengthFall] * q.temperature);
   }
 };
 
-constexpr TermKind kElastomericModifierKinds[] = {
-    kind_of<HorizontalStiffnessVariation>(), kind_of<AxialLoadStrength>(),
-    kind_of<AxialLoadStiffness>(),           kind_of<Scragging>(),
-    kind_of<RateDependentStrength>(),        kind_of<AgeingTemperature>()};
-
 }  // namespace
 
-std::span<const TermKind> elastomeric_modifier_kinds() { return kElastomericModifierKinds; }
+std::span<const TermKind> elastomeric_modifier_kinds() {
+  return kinds_of<HorizontalStiffnessVariation, AxialLoadStrength, AxialLoadStiffness, Scragging,
+                  RateDependentStrength, AgeingTemperature>();
+}
 
 }  // namespace rths::sim

@@ -14,13 +14,11 @@ void add(Quantities<Real>& q, const Plane<Real>& force) {
   q.force[1] += force.y;
 }
 
-struct LargeStrainStiffening {
+struct LargeStrainStiffening : Acts<Stage::Restoring, kFrameIndifferent> {
   static constexpr std::string_view kName = "large_strain_stiffening";
   static constexpr std::string_view kTitle = "stiffening at large strain";
   static constexpr std::string_view kEquation = "F = k_h max(0, |u| - u_h) u/|u|";
   static constexpr std::string_view kSource = "bilinear envelope of natural rubber";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffness, kOnset };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 2e6},
                                               {"onset", "m", 0, 10, 0.1, 0.1}};
@@ -34,13 +32,11 @@ struct LargeStrainStiffening {
   }
 };
 
-struct CubicStiffness {
+struct CubicStiffness : Acts<Stage::Restoring, kFrameIndifferent> {
   static constexpr std::string_view kName = "cubic_stiffness";
   static constexpr std::string_view kTitle = "cubic stiffness";
   static constexpr std::string_view kEquation = "F = k_3 |u|^2 u";
   static constexpr std::string_view kSource = "next odd term of an isotropic elastic law";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffness };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m3", -1e20, 1e20, 0, 2e7}};
 
@@ -51,13 +47,11 @@ struct CubicStiffness {
   }
 };
 
-struct AsymmetricStiffness {
+struct AsymmetricStiffness : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "asymmetric_stiffness";
   static constexpr std::string_view kTitle = "stiffness that differs by direction";
   static constexpr std::string_view kEquation = "F = k_2 u^2 on each axis";
   static constexpr std::string_view kSource = "first even term of an elastic law";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kStiffness };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m2", -1e18, 1e18, 0, 1e6}};
 
@@ -69,13 +63,11 @@ struct AsymmetricStiffness {
   }
 };
 
-struct PDelta {
+struct PDelta : Acts<Stage::Restoring, kFrameIndifferent> {
   static constexpr std::string_view kName = "p_delta";
   static constexpr std::string_view kTitle = "P-delta force";
   static constexpr std::string_view kEquation = "F = k_L N u/h,  k_L < 0 pushes outwards";
   static constexpr std::string_view kSource = "equilibrium in the displaced position";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCoefficient, kHeight };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, -0.05},
                                               {"height", "m", 1e-3, 100, 0.37, 0.37}};
@@ -87,13 +79,11 @@ struct PDelta {
   }
 };
 
-struct ViscoelasticRelaxation {
+struct ViscoelasticRelaxation : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "viscoelastic_relaxation";
   static constexpr std::string_view kTitle = "viscoelastic relaxation (Maxwell branch)";
   static constexpr std::string_view kEquation = "dF/dt = k du/dt - F/tau";
   static constexpr std::string_view kSource = "Maxwell 1867; exact for u linear within a step";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStiffness, kTime };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1e6},
                                               {"relaxation_time", "s", 1e-3, 1e4, 1, 1}};
@@ -101,7 +91,6 @@ struct ViscoelasticRelaxation {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     const Real ratio = term.time_step / term.parameters[kTime];
     const Real decay = exp(-ratio);
     const Real intake = term.parameters[kStiffness] * (1 - decay) / ratio;
@@ -114,29 +103,25 @@ struct ViscoelasticRelaxation {
   }
 };
 
-struct ViscousDamping {
+struct ViscousDamping : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "viscous_damping";
   static constexpr std::string_view kTitle = "viscous damping of the bearing";
   static constexpr std::string_view kEquation = "F = c v";
   static constexpr std::string_view kSource = "Newton's law";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kDamping };
   static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e13, 0, 1e5}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    add(q, Plane<Real>{q.velocity[0], q.velocity[1]} * term.parameters[kDamping]);
+    add(q, velocity_of(q) * term.parameters[kDamping]);
   }
 };
 
-constexpr TermKind kElastomericRestoringKinds[] = {
-    kind_of<LargeStrainStiffening>(),  kind_of<CubicStiffness>(),
-    kind_of<AsymmetricStiffness>(),    kind_of<PDelta>(),
-    kind_of<ViscoelasticRelaxation>(), kind_of<ViscousDamping>()};
-
 }  // namespace
 
-std::span<const TermKind> elastomeric_restoring_kinds() { return kElastomericRestoringKinds; }
+std::span<const TermKind> elastomeric_restoring_kinds() {
+  return kinds_of<LargeStrainStiffening, CubicStiffness, AsymmetricStiffness, PDelta,
+                  ViscoelasticRelaxation, ViscousDamping>();
+}
 
 }  // namespace rths::sim

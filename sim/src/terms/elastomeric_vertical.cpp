@@ -9,14 +9,12 @@
 namespace rths::sim {
 namespace {
 
-struct BucklingLoadVariation {
+struct BucklingLoadVariation : Acts<Stage::Vertical, kFrameIndifferent> {
   static constexpr std::string_view kName = "buckling_load_variation";
   static constexpr std::string_view kTitle = "buckling load reduced by displacement (overlap area)";
   static constexpr std::string_view kEquation =
       "P_cr = P_cr0 max((delta - sin delta)/pi, residual),  delta = 2 acos(|u|/D_2)";
   static constexpr std::string_view kSource = "Warn & Whittaker 2006, as in Kumar et al. 2014";
-  static constexpr Stage kStage = Stage::Vertical;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kCriticalLoad, kDiameter, kResidual };
   static constexpr Parameter kParameters[] = {
       {"critical_load", "N", 0, 1e12, 0, 5e7},  // 0: none
@@ -31,8 +29,6 @@ struct BucklingLoadVariation {
 
   template <class Real>
   static Real overlap(const TermView<Real>& term, const Quantities<Real>& q) {
-    using std::acos;
-    using std::sqrt;
     const Real& residual = term.parameters[kResidual];
     const Real offset = length(displacement_of(q)) / term.parameters[kDiameter];
     if (!(offset < 1)) return residual;
@@ -43,13 +39,11 @@ struct BucklingLoadVariation {
   }
 };
 
-struct VerticalStiffnessVariation {
+struct VerticalStiffnessVariation : Acts<Stage::Vertical, kFrameIndifferent> {
   static constexpr std::string_view kName = "vertical_stiffness_variation";
   static constexpr std::string_view kTitle = "vertical stiffness that falls with displacement";
   static constexpr std::string_view kEquation = "K_v = K_v0 / (1 + (3/pi^2) (|u|/r_g)^2)";
   static constexpr std::string_view kSource = "Warn, Whittaker & Constantinou 2007";
-  static constexpr Stage kStage = Stage::Vertical;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kRadiusOfGyration };
   static constexpr Parameter kParameters[] = {
       {"radius_of_gyration", "m", 0, 10, 0, 0.35}};  // 0: none
@@ -64,15 +58,13 @@ struct VerticalStiffnessVariation {
   }
 };
 
-struct ElastomericAxial {
+struct ElastomericAxial : Acts<Stage::Vertical, kFrameIndifferent> {
   static constexpr std::string_view kName = "elastomeric_axial";
   static constexpr std::string_view kTitle = "axial law with cavitation and buckling";
   static constexpr std::string_view kEquation =
       "N = -K_v w - c dw/dt;  w > F_c/K_v: -F_c (1 + (1 - exp(-k_c (w - u_c)))/(k_c T_r)), "
       "lower after damage;  N > P_cr: slope times ratio";
   static constexpr std::string_view kSource = "Gent 1990; Kumar, Whittaker & Constantinou 2014";
-  static constexpr Stage kStage = Stage::Vertical;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStiffness, kDamping, kCavitation, kDecay, kThickness, kDamage, kDamageRate, kBuckled };
   static constexpr Parameter kParameters[] = {
       {"vertical_stiffness", "N/m", 0, 1e12, 0, 5e9},  // 0: the axial load is unchanged
@@ -107,7 +99,6 @@ struct ElastomericAxial {
 
   template <class Real>
   static Real tension(const TermView<Real>& term, const Real& stiffness, const Real& elongation) {
-    using std::exp;
     const Real* p = term.parameters;
     if (!(p[kCavitation] > 0)) return stiffness * elongation;
     Real& largest = term.state[0];
@@ -132,12 +123,10 @@ struct ElastomericAxial {
   }
 };
 
-constexpr TermKind kElastomericVerticalKinds[] = {kind_of<BucklingLoadVariation>(),
-                                                  kind_of<VerticalStiffnessVariation>(),
-                                                  kind_of<ElastomericAxial>()};
-
 }  // namespace
 
-std::span<const TermKind> elastomeric_vertical_kinds() { return kElastomericVerticalKinds; }
+std::span<const TermKind> elastomeric_vertical_kinds() {
+  return kinds_of<BucklingLoadVariation, VerticalStiffnessVariation, ElastomericAxial>();
+}
 
 }  // namespace rths::sim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "hysteresis_kinds.hpp"
+#include "hysteresis.hpp"
 #include "kinds.hpp"
 
 namespace rths::sim {
@@ -7,7 +7,7 @@ namespace {
 
 // The device is attached to a slipping anchor p. Its deflection y = u - p is bounded by the play
 // and the elastic length. The force is a function of y, so the solution is exact.
-struct AsymmetricHysteresis {
+struct AsymmetricHysteresis : Acts<Stage::Restoring, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "asymmetric_hysteresis";
   static constexpr std::string_view kTitle = "asymmetric friction of a device with play";
   static constexpr std::string_view kEquation =
@@ -15,8 +15,6 @@ struct AsymmetricHysteresis {
       "dy = du within -L_- - g/2 ... L_+ + g/2";
   static constexpr std::string_view kSource =
       "stop operator, Visintin 1994; the play before it is ours";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForward, kBackward, kForwardLength, kBackwardLength, kPlay };
   static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1e5},
                                               {"backward_force", "N", 0, 1e9, 0, 1.5e5},
@@ -49,10 +47,8 @@ struct AsymmetricHysteresis {
   }
 };
 
-constexpr TermKind kAsymmetricKinds[] = {kind_of<AsymmetricHysteresis>()};
-
 }  // namespace
 
-std::span<const TermKind> asymmetric_kinds() { return kAsymmetricKinds; }
+std::span<const TermKind> asymmetric_kinds() { return kinds_of<AsymmetricHysteresis>(); }
 
 }  // namespace rths::sim

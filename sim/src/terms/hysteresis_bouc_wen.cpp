@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "hysteresis_kinds.hpp"
+#include "hysteresis.hpp"
 #include "kinds.hpp"
 
 namespace rths::sim {
@@ -26,7 +26,6 @@ Real sign_of(const Real& x) {
 // the bending vanishes.
 template <class Real>
 Real sharpness(const Real& square, const Real& eta) {
-  using std::pow;
   if (is_just(eta, 2)) return Real{1};
   return square > 0 ? Real{pow(square, 0.5 * eta - 1)} : Real{0};
 }
@@ -99,7 +98,8 @@ void into_unit_square(Plane<Real>& z) {
   }
 }
 
-struct BoucWen {
+// Dissipative at every beta: unloading is never softer than loading.
+struct BoucWen : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "bouc_wen";
   static constexpr std::string_view kTitle = "Bouc-Wen hysteresis with post-yield stiffness";
   static constexpr std::string_view kEquation =
@@ -107,9 +107,6 @@ struct BoucWen {
       "r_i^2 = z_i^2 + c z_j^2,  w_i = z_i du_i + c z_j du_j,  gamma = 1 - beta";
   static constexpr std::string_view kSource =
       "Park, Wen & Ang 1986, rotation-invariant form at coupling c = 1";
-  static constexpr Stage kStage = Stage::Restoring;
-  // Dissipative at every beta: unloading is never softer than loading.
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kCoupling };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
@@ -161,7 +158,7 @@ struct BoucWen {
   }
 };
 
-struct BoucWenNagarajaiah {
+struct BoucWenNagarajaiah : Acts<Stage::Restoring, kDissipative> {
   static constexpr std::string_view kName = "bouc_wen_nagarajaiah";
   static constexpr std::string_view kTitle = "Bouc-Wen hysteresis with the sign of each axis";
   static constexpr std::string_view kEquation =
@@ -169,8 +166,6 @@ struct BoucWenNagarajaiah {
       "gamma = 1 - beta";
   static constexpr std::string_view kSource =
       "Nagarajaiah, Reinhorn & Constantinou 1991; not the same in all directions";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative;
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
@@ -203,15 +198,13 @@ struct BoucWenNagarajaiah {
   }
 };
 
-struct BoucWenSlip {
+struct BoucWenSlip : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "bouc_wen_slip";
   static constexpr std::string_view kTitle = "Bouc-Wen hysteresis with slip (pinching)";
   static constexpr std::string_view kEquation =
       "F = K_d u + Q_d z,  u = u_1 + u_2,  dz of du_1 as bouc_wen,  du_2 = a f(|z|) dz,  "
       "f(z) = sqrt(2/pi)/sigma exp(-z^2/(2 sigma^2))";
   static constexpr std::string_view kSource = "Baber & Noori 1985 (slip-lock), for two directions";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kSlip, kSigma };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
@@ -226,7 +219,6 @@ struct BoucWenSlip {
   // a f(|z|)
   template <class Real>
   static Real slip_length(const TermView<Real>& term, const Real& square) {
-    using std::exp;
     constexpr double kTwoOverPi = 0.6366197723675814;
     const Real& sigma = term.parameters[kSigma];
     return term.parameters[kSlip] * std::sqrt(kTwoOverPi) / sigma *
@@ -291,11 +283,10 @@ struct BoucWenSlip {
   }
 };
 
-constexpr TermKind kBoucWenKinds[] = {kind_of<BoucWen>(), kind_of<BoucWenNagarajaiah>(),
-                                      kind_of<BoucWenSlip>()};
-
 }  // namespace
 
-std::span<const TermKind> bouc_wen_kinds() { return kBoucWenKinds; }
+std::span<const TermKind> bouc_wen_kinds() {
+  return kinds_of<BoucWen, BoucWenNagarajaiah, BoucWenSlip>();
+}
 
 }  // namespace rths::sim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "elastomeric.hpp"
-#include "hysteresis_kinds.hpp"
+#include "hysteresis.hpp"
 #include "kinds.hpp"
 #include "work_taken.hpp"
 
@@ -9,14 +9,13 @@ namespace {
 
 constexpr std::size_t kElements = 4;
 
-struct HysteresisShape {
+// Not dissipative: negative forces return work.
+struct HysteresisShape : Acts<Stage::Restoring, kFrameIndifferent> {
   static constexpr std::string_view kName = "hysteresis_shape";
   static constexpr std::string_view kTitle = "shape of the loop (model form)";
   static constexpr std::string_view kEquation =
       "F = sum_k q_k h_k,  dh_k = (du - h_k |du|) / L_k,  L_k = L (1, 10/3, 65/6, 37.5)";
   static constexpr std::string_view kSource = "Dahl 1968 for two directions; the sum is ours";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kFrameIndifferent;  // negative forces return work
   enum { kLength, kForce };
   static constexpr Parameter kParameters[] = {{"length", "m", 1e-7, 1, 1.2e-3, 1.2e-3},
                                               {"force_1", "N", -1e9, 1e9, 0, 2e4},
@@ -28,7 +27,6 @@ struct HysteresisShape {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     const Plane<Real> u = displacement_of(q);
     const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
     term.state[0] = u.x, term.state[1] = u.y;
@@ -48,15 +46,13 @@ struct HysteresisShape {
   }
 };
 
-struct Degradation {
+struct Degradation : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "degradation";
   static constexpr std::string_view kTitle = "strength and stiffness lost with dissipated work";
   static constexpr std::string_view kEquation =
       "Q_d -> Q_d f,  k -> k f^s,  f = 1 / (1 + d_Q W),  K_d -> K_d / (1 + d_K W),  W = int F_h . "
       "du";
   static constexpr std::string_view kSource = "Baber & Wen 1981";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kStrengthLoss, kStiffnessLoss, kElasticShare };
   static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1e6, 0, 1e-7},
                                               {"stiffness_loss", "1/J", 0, 1e6, 0, 1e-7},
@@ -75,10 +71,8 @@ struct Degradation {
   }
 };
 
-constexpr TermKind kModelFormKinds[] = {kind_of<HysteresisShape>(), kind_of<Degradation>()};
-
 }  // namespace
 
-std::span<const TermKind> model_form_kinds() { return kModelFormKinds; }
+std::span<const TermKind> model_form_kinds() { return kinds_of<HysteresisShape, Degradation>(); }
 
 }  // namespace rths::sim

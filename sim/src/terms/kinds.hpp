@@ -2,7 +2,6 @@
 #pragma once
 
 #include <span>
-#include <type_traits>
 
 #include <rths/sim/term.hpp>
 
@@ -10,10 +9,8 @@ namespace rths::sim {
 
 // A term is a struct with its description as constants and its physics as a template over the
 // number type:
-//     struct CoulombFriction {
+//     struct CoulombFriction : Acts<Stage::Machine, kDissipative | kPerAxis> {
 //       static constexpr std::string_view kName = "coulomb_friction", kTitle, kEquation, kSource;
-//       static constexpr Stage kStage = Stage::Machine;
-//       static constexpr unsigned kTraits = kDissipative | kPerAxis;
 //       enum { kForce, kPresliding };                        // indices into
 //       static constexpr Parameter kParameters[] = {…};      // its parameters
 //       static constexpr std::size_t kStates = 2;            // or size(const TermSetup&)
@@ -21,6 +18,14 @@ namespace rths::sim {
 //       template <class Real>
 //       static void step(const TermView<Real>& term, Quantities<Real>& q);
 //     };
+
+/// Stage and traits of a term.
+template <Stage stage, unsigned traits = kPlain>
+struct Acts {
+  static constexpr Stage kStage = stage;
+  static constexpr unsigned kTraits = traits;
+};
+
 template <class Term>
 TermSize size_of(const TermSetup& setup) {
   if constexpr (requires { Term::size(setup); })
@@ -48,6 +53,12 @@ constexpr TermKind kind_of() {
           &prepare_of<Term>, &step_of<Term, double>, &step_of<Term, Dual>};
 }
 
+template <class... Terms>
+std::span<const TermKind> kinds_of() {
+  static constexpr TermKind kKinds[] = {kind_of<Terms>()...};
+  return kKinds;
+}
+
 /// Calls `act(axis)` for each horizontal axis that the term acts on, long first.   @realtime
 template <class Real, class Act>
 void for_each_active_axis(const TermView<Real>& term, Act act) {
@@ -55,11 +66,36 @@ void for_each_active_axis(const TermView<Real>& term, Act act) {
     if (term.acts_on(axis)) act(axis);
 }
 
-std::span<const TermKind> actuator_kinds();
-std::span<const TermKind> elastomeric_kinds();
-std::span<const TermKind> hysteresis_kinds();
-std::span<const TermKind> machine_kinds();
+/// x within ±limit.
+template <class Real>
+Real clipped(const Real& x, const Real& limit) {
+  if (x > limit) return limit;
+  if (x < -limit) return -limit;
+  return x;
+}
+
+// The kinds of each file, in the order in which they act within a stage.
+std::span<const TermKind> linear_actuator_kinds();
+std::span<const TermKind> actuator_limit_kinds();
+std::span<const TermKind> elastomeric_vertical_kinds();
+std::span<const TermKind> elastomeric_modifier_kinds();
+std::span<const TermKind> lead_heating_kinds();
+std::span<const TermKind> elastomeric_restoring_kinds();
+std::span<const TermKind> bouc_wen_kinds();
+std::span<const TermKind> plastic_kinds();
+std::span<const TermKind> model_form_kinds();
+std::span<const TermKind> asymmetric_kinds();
+std::span<const TermKind> controlled_kinds();
+std::span<const TermKind> sliding_vertical_kinds();
+std::span<const TermKind> sliding_modifier_kinds();
+std::span<const TermKind> slider_kinds();
+std::span<const TermKind> triple_pendulum_kinds();
+std::span<const TermKind> stop_kinds();
+std::span<const TermKind> mount_kinds();
+std::span<const TermKind> spring_kinds();
+std::span<const TermKind> table_kinds();
+std::span<const TermKind> friction_kinds();
+std::span<const TermKind> drag_kinds();
 std::span<const TermKind> sensor_kinds();
-std::span<const TermKind> sliding_kinds();
 
 }  // namespace rths::sim

@@ -19,7 +19,6 @@ struct FirstOrderLag {
   Real kept{}, shift{};
 
   FirstOrderLag(const Real& time_constant, double time_step) {
-    using std::exp;
     const Real steps = time_constant * (1 / time_step);
     if (steps > kShortestLag) kept = exp(-1 / steps);
     shift = steps * (1 - kept);
@@ -42,7 +41,6 @@ struct SmoothLag {
   std::array<Real, 4> gain{};  ///< of r and its differences backwards
 
   SmoothLag(const Real& time_constant, double time_step) {
-    using std::exp;
     const Real steps = time_constant * (1 / time_step);
     if (steps > kShortestLag) kept = exp(-1 / steps);
     const std::array<Real, 4> m = steps < kLong ? moments(steps) : moments_of_long(steps);
@@ -118,10 +116,6 @@ struct SecondOrderLag {
  private:
   // e^−ζω cos ω_d and e^−ζω sin ω_d / ω_d with ω_d² = (1 − ζ²) ω² of either sign.
   static void free_motion(const Real& frequency, const Real& damping, Real& c, Real& s) {
-    using std::cos;
-    using std::exp;
-    using std::sin;
-    using std::sqrt;
     const Real square = (1 - damping * damping) * frequency * frequency;
     const Real decay = damping * frequency;
     if (square > 1e-4) {

@@ -14,14 +14,12 @@
 namespace rths::sim {
 namespace {
 
-struct AdiabaticHeating {
+struct AdiabaticHeating : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "adiabatic_heating";
   static constexpr std::string_view kTitle = "strength that falls with dissipated work";
   static constexpr std::string_view kEquation =
       "Q = Q_0 exp(-b W),  k = k_0 exp(-s b W),  dW/dt = F_h.v - W/t_c";
   static constexpr std::string_view kSource = "Kalpakidis & Constantinou 2009, without conduction";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kSoftening, kCoolingTime, kElasticShare };
   static constexpr Parameter kParameters[] = {{"softening", "1/J", 0, 1e6, 0, 1.2e-7},
                                               {"cooling_time", "s", 1e-2, 1e12, 1e12, 100},
@@ -30,7 +28,6 @@ struct AdiabaticHeating {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     Real& kept = term.state[kWorkStates];
     // Implicit, so it decays with any step size.
     kept = (kept + work_taken(term.state, q, Real{0})) /
@@ -78,7 +75,7 @@ double disc_factor(double s) {
   return sum / kPoints;
 }
 
-struct LeadHeating {
+struct LeadHeating : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "lead_heating";
   static constexpr std::string_view kTitle = "lead-core heating";
   static constexpr std::string_view kEquation =
@@ -86,8 +83,6 @@ struct LeadHeating {
       "T = each flux convolved with the rate of its face's step response";
   static constexpr std::string_view kSource =
       "Kalpakidis & Constantinou 2009; Duhamel's integral for any history";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum {
     kSoftening,
     kRadius,
@@ -141,7 +136,6 @@ struct LeadHeating {
   // Heat balance of the plug at the end of the step, solved for T; the fluxes follow from T.
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     const Real* p = term.parameters;
     const double* ends = term.constants;
     const double* shims = ends + kFadingConstants;
@@ -162,10 +156,8 @@ struct LeadHeating {
   }
 };
 
-constexpr TermKind kLeadHeatingKinds[] = {kind_of<AdiabaticHeating>(), kind_of<LeadHeating>()};
-
 }  // namespace
 
-std::span<const TermKind> lead_heating_kinds() { return kLeadHeatingKinds; }
+std::span<const TermKind> lead_heating_kinds() { return kinds_of<AdiabaticHeating, LeadHeating>(); }
 
 }  // namespace rths::sim

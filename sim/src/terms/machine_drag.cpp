@@ -2,7 +2,6 @@
 #include <numbers>
 
 #include "kinds.hpp"
-#include "machine_kinds.hpp"
 
 namespace rths::sim {
 namespace {
@@ -13,13 +12,11 @@ void add(const TermView<Real>& term, Quantities<Real>& q, Force force) {
   for_each_active_axis(term, [&](std::size_t axis) { q.force[axis] += force(axis); });
 }
 
-struct ViscousFriction {
+struct ViscousFriction : Acts<Stage::Machine, kDissipative | kFrameIndifferent | kPerAxis> {
   static constexpr std::string_view kName = "viscous_friction";
   static constexpr std::string_view kTitle = "viscous friction";
   static constexpr std::string_view kEquation = "F = c v";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent | kPerAxis;
   enum { kCoefficient };
   static constexpr Parameter kParameters[] = {{"coefficient", "N*s/m", 0, 1e13, 0, 2e4}};
 
@@ -30,13 +27,11 @@ struct ViscousFriction {
   }
 };
 
-struct AsymmetricViscous {
+struct AsymmetricViscous : Acts<Stage::Machine, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "asymmetric_viscous";
   static constexpr std::string_view kTitle = "viscous friction that differs forwards and backwards";
   static constexpr std::string_view kEquation = "F = c_+ v for v > 0, c_- v for v < 0";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForward, kBackward };
   static constexpr Parameter kParameters[] = {{"forward_coefficient", "N*s/m", 0, 1e13, 0, 3e4},
                                               {"backward_coefficient", "N*s/m", 0, 1e13, 0, 1e4}};
@@ -50,19 +45,16 @@ struct AsymmetricViscous {
   }
 };
 
-struct QuadraticDrag {
+struct QuadraticDrag : Acts<Stage::Machine, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "quadratic_drag";
   static constexpr std::string_view kTitle = "quadratic drag (pipes, orifices)";
   static constexpr std::string_view kEquation = "F = c_2 |v| v";
   static constexpr std::string_view kSource = "textbook; of a pipe c_2 = rho zeta A^3 / (2 a^2)";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kCoefficient };
   static constexpr Parameter kParameters[] = {{"coefficient", "N*s2/m2", 0, 1e18, 0, 2e4}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::abs;
     add(term, q, [&](std::size_t axis) {
       const Real& v = q.velocity[axis];
       return term.parameters[kCoefficient] * (abs(v) * v);
@@ -71,15 +63,13 @@ struct QuadraticDrag {
 };
 
 // Seals and orifices: of an exponent below 1 the slope at rest is finite.
-struct PowerDamping {
+struct PowerDamping : Acts<Stage::Machine, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "power_damping";
   static constexpr std::string_view kTitle = "damping with a power of velocity";
   static constexpr std::string_view kEquation =
       "F = F_r r (r^2 + e^2)^((a - 1)/2),  r = v/v_r,  e = 0.001";
   static constexpr std::string_view kSource =
       "Seleemah & Constantinou 1997, F = C |v|^a sgn(v); rounded at rest by us";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForce, kExponent, kVelocity };
   static constexpr double kRest = 1e-3;  // of the reference velocity
   static constexpr Parameter kParameters[] = {{"force", "N", 0, 1e9, 0, 2e4},
@@ -88,7 +78,6 @@ struct PowerDamping {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::pow;
     const Real half = 0.5 * (term.parameters[kExponent] - 1);
     add(term, q, [&](std::size_t axis) {
       const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
@@ -97,13 +86,11 @@ struct PowerDamping {
   }
 };
 
-struct PlatenInertia {
+struct PlatenInertia : Acts<Stage::Machine, kFrameIndifferent | kPerAxis | kInertial> {
   static constexpr std::string_view kName = "platen_inertia";
   static constexpr std::string_view kTitle = "inertia of parts moving with the platen";
   static constexpr std::string_view kEquation = "F = m a";
   static constexpr std::string_view kSource = "Newton";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kFrameIndifferent | kPerAxis | kInertial;
   enum { kMass };
   // Negative: the inertia correction was too large.
   static constexpr Parameter kParameters[] = {{"mass", "kg", -1e12, 1e12, 0, 5e3}};
@@ -114,13 +101,11 @@ struct PlatenInertia {
   }
 };
 
-struct Cogging {
+struct Cogging : Acts<Stage::Machine, kPerAxis> {
   static constexpr std::string_view kName = "cogging";
   static constexpr std::string_view kTitle = "force periodic in displacement (cogging)";
   static constexpr std::string_view kEquation = "F = F_g sin(2 pi u / p + phi)";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kForce, kPitch, kPhase };
   static constexpr Parameter kParameters[] = {{"force", "N", 0, 1e7, 0, 2e4},
                                               {"pitch", "m", 1e-4, 10, 0.05, 0.05},
@@ -128,7 +113,6 @@ struct Cogging {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::sin;
     const Real wave_number = 2 * std::numbers::pi / term.parameters[kPitch];
     add(term, q, [&](std::size_t axis) {
       return term.parameters[kForce] *
@@ -137,12 +121,11 @@ struct Cogging {
   }
 };
 
-constexpr TermKind kDragKinds[] = {kind_of<ViscousFriction>(), kind_of<AsymmetricViscous>(),
-                                   kind_of<QuadraticDrag>(),   kind_of<PowerDamping>(),
-                                   kind_of<PlatenInertia>(),   kind_of<Cogging>()};
-
 }  // namespace
 
-std::span<const TermKind> drag_kinds() { return kDragKinds; }
+std::span<const TermKind> drag_kinds() {
+  return kinds_of<ViscousFriction, AsymmetricViscous, QuadraticDrag, PowerDamping, PlatenInertia,
+                  Cogging>();
+}
 
 }  // namespace rths::sim

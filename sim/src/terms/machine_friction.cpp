@@ -1,19 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kinds.hpp"
-#include "machine_kinds.hpp"
 #include "plane.hpp"
 #include "presliding.hpp"
 
 namespace rths::sim {
 namespace {
 
-struct CoulombFriction {
+struct CoulombFriction : Acts<Stage::Machine, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "coulomb_friction";
   static constexpr std::string_view kTitle = "Coulomb friction with presliding";
   static constexpr std::string_view kEquation = "F = F_c s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = kDahl;
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForce, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               kPreslidingLength};
@@ -28,14 +25,12 @@ struct CoulombFriction {
   }
 };
 
-struct AsymmetricFriction {
+struct AsymmetricFriction : Acts<Stage::Machine, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "asymmetric_friction";
   static constexpr std::string_view kTitle = "Coulomb friction that differs forwards and backwards";
   static constexpr std::string_view kEquation =
       "F = F_+ s for s > 0, F_- s for s < 0,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = kDahl;
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kForward, kBackward, kPresliding };
   static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1.2e4},
                                               {"backward_force", "N", 0, 1e9, 0, 0.8e4},
@@ -51,14 +46,12 @@ struct AsymmetricFriction {
   }
 };
 
-struct LoadDependentFriction {
+// Not dissipative: presliding built up under low load returns more work.
+struct LoadDependentFriction : Acts<Stage::Machine, kPerAxis> {
   static constexpr std::string_view kName = "load_dependent_friction";
   static constexpr std::string_view kTitle = "friction proportional to the vertical force";
   static constexpr std::string_view kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = kDahl;
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits =
-      kPerAxis;  // not dissipative: presliding built up under low load returns more work
   enum { kCoefficient, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 2e-3},
                                               kPreslidingLength};
@@ -74,15 +67,13 @@ struct LoadDependentFriction {
   }
 };
 
-struct StribeckFriction {
+// Not dissipative: presliding may return work of the breakaway.
+struct StribeckFriction : Acts<Stage::Machine, kPerAxis> {
   static constexpr std::string_view kName = "stribeck_friction";
   static constexpr std::string_view kTitle = "Coulomb friction with breakaway";
   static constexpr std::string_view kEquation =
       "F = (F_c + dF_s exp(-(v/v_s)^2)) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Armstrong-Helouvry, Dupont & Canudas de Wit 1994";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits =
-      kPerAxis;  // not dissipative: presliding may return work of the breakaway
   enum { kForce, kBreakaway, kVelocity, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               {"breakaway_force", "N", 0, 1e9, 0, 1e4},
@@ -92,7 +83,6 @@ struct StribeckFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     for_each_active_axis(term, [&](std::size_t axis) {
       const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
       const Real level =
@@ -102,15 +92,13 @@ struct StribeckFriction {
   }
 };
 
-struct PositionDependentFriction {
+// Not dissipative: s builds up and is released at different displacements.
+struct PositionDependentFriction : Acts<Stage::Machine, kPerAxis> {
   static constexpr std::string_view kName = "position_dependent_friction";
   static constexpr std::string_view kTitle = "local friction (rub)";
   static constexpr std::string_view kEquation =
       "F = F_r exp(-((u - u_r)/w)^2) s,  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the bell is ours";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits =
-      kPerAxis;  // not dissipative: s builds up and is released at different displacements
   enum { kForce, kPlace, kWidth, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 2e4},
                                               {"place", "m", -10, 10, 0, 0.05},
@@ -120,7 +108,6 @@ struct PositionDependentFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     for_each_active_axis(term, [&](std::size_t axis) {
       const Real off = (q.displacement[axis] - term.parameters[kPlace]) / term.parameters[kWidth];
       q.force[axis] += term.parameters[kForce] * exp(-(off * off)) *
@@ -129,15 +116,13 @@ struct PositionDependentFriction {
   }
 };
 
-struct VelocityDependentFriction {
+// Not dissipative: s builds up and is released at different velocities.
+struct VelocityDependentFriction : Acts<Stage::Machine, kPerAxis> {
   static constexpr std::string_view kName = "velocity_dependent_friction";
   static constexpr std::string_view kTitle = "friction that grows smoothly with velocity";
   static constexpr std::string_view kEquation =
       "F = F_v s |v|/(|v| + v_g),  ds = (du - s |du|) / z_s";
   static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the growth is ours";
-  static constexpr Stage kStage = Stage::Machine;
-  static constexpr unsigned kTraits =
-      kPerAxis;  // not dissipative: s builds up and is released at different velocities
   enum { kForce, kVelocity, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               {"growth_velocity", "m/s", 1e-8, 100, 0.05, 0.05},
@@ -146,7 +131,6 @@ struct VelocityDependentFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::abs;
     for_each_active_axis(term, [&](std::size_t axis) {
       const Real speed = abs(q.velocity[axis]);
       q.force[axis] += term.parameters[kForce] *
@@ -156,14 +140,12 @@ struct VelocityDependentFriction {
   }
 };
 
-struct PlanarFriction {
+// Its store z_s F_c |s|^2/2 grows by F.du - F_c |s|^2 |du|.
+struct PlanarFriction : Acts<Stage::Machine, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "planar_friction";
   static constexpr std::string_view kTitle = "Coulomb friction in the plane with presliding";
   static constexpr std::string_view kEquation = "F = F_c s,  ds = (du - s |du|) / z_s  (vectors)";
   static constexpr std::string_view kSource = "Dahl 1968, exponent 1, for two directions";
-  static constexpr Stage kStage = Stage::Machine;
-  // Its store z_s F_c |s|^2/2 grows by F.du - F_c |s|^2 |du|.
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kForce, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               kPreslidingLength};
@@ -171,7 +153,6 @@ struct PlanarFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
     const Plane<Real> u = displacement_of(q);
     const Plane<Real> du = u - Plane<Real>{term.state[0], term.state[1]};
     term.state[0] = u.x, term.state[1] = u.y;
@@ -187,14 +168,11 @@ struct PlanarFriction {
   }
 };
 
-constexpr TermKind kFrictionKinds[] = {
-    kind_of<CoulombFriction>(),          kind_of<PlanarFriction>(),
-    kind_of<AsymmetricFriction>(),       kind_of<LoadDependentFriction>(),
-    kind_of<StribeckFriction>(),         kind_of<VelocityDependentFriction>(),
-    kind_of<PositionDependentFriction>()};
-
 }  // namespace
 
-std::span<const TermKind> friction_kinds() { return kFrictionKinds; }
+std::span<const TermKind> friction_kinds() {
+  return kinds_of<CoulombFriction, PlanarFriction, AsymmetricFriction, LoadDependentFriction,
+                  StribeckFriction, VelocityDependentFriction, PositionDependentFriction>();
+}
 
 }  // namespace rths::sim

@@ -3,20 +3,17 @@
 
 #include "compliance.hpp"
 #include "kinds.hpp"
-#include "machine_kinds.hpp"
 
 namespace rths::sim {
 namespace {
 
 constexpr std::string_view kMountSource = "textbook; solution: docs/theory/machine_terms.md";
 
-struct SupportFlexibility {
+struct SupportFlexibility : Acts<Stage::Motion, kPerAxis | kMount> {
   static constexpr std::string_view kName = "support_flexibility";
   static constexpr std::string_view kTitle = "flexibility of the specimen's support";
   static constexpr std::string_view kEquation = "u_specimen = u - chi F";
   static constexpr std::string_view kSource = kMountSource;
-  static constexpr Stage kStage = Stage::Motion;
-  static constexpr unsigned kTraits = kPerAxis | kMount;
   enum { kFlexibility, kStiffness };
   static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate};
@@ -33,13 +30,11 @@ struct SupportFlexibility {
   }
 };
 
-struct MountSlack {
+struct MountSlack : Acts<Stage::Motion, kPerAxis | kMount> {
   static constexpr std::string_view kName = "mount_slack";
   static constexpr std::string_view kTitle = "slack in the specimen's mount";
   static constexpr std::string_view kEquation = "u_specimen = u - (g/2) clip(F/F_seat, 1)";
   static constexpr std::string_view kSource = kMountSource;
-  static constexpr Stage kStage = Stage::Motion;
-  static constexpr unsigned kTraits = kPerAxis | kMount;
   enum { kSlack, kSeat, kStiffness };
   static constexpr Parameter kParameters[] = {{"slack", "m", 0, 10, 0, 2e-3},
                                               {"seating_force", "N", 1e-6, 1e9, 1e5, 1e5},
@@ -57,13 +52,11 @@ struct MountSlack {
   }
 };
 
-struct TransducerBacklash {
+struct TransducerBacklash : Acts<Stage::Motion, kPerAxis> {
   static constexpr std::string_view kName = "transducer_backlash";
   static constexpr std::string_view kTitle = "backlash between transducer and specimen";
   static constexpr std::string_view kEquation = "u_specimen: play of u, moved only beyond +-g/2";
   static constexpr std::string_view kSource = "Krasnosel'skii & Pokrovskii 1989 (play operator)";
-  static constexpr Stage kStage = Stage::Motion;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kGap };
   static constexpr Parameter kParameters[] = {{"gap", "m", 0, 10, 0, 2e-3}};
   static constexpr std::size_t kStates = kHorizontalAxes;
@@ -85,13 +78,11 @@ struct TransducerBacklash {
   }
 };
 
-struct InputDeadZone {
+struct InputDeadZone : Acts<Stage::Motion, kPerAxis> {
   static constexpr std::string_view kName = "input_dead_zone";
   static constexpr std::string_view kTitle = "dead zone between platen and specimen";
   static constexpr std::string_view kEquation = "u_specimen = u - clip(u, d)";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Motion;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kHalfWidth };
   static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 10, 0, 5e-3}};
 
@@ -106,11 +97,10 @@ struct InputDeadZone {
   }
 };
 
-constexpr TermKind kMountKinds[] = {kind_of<SupportFlexibility>(), kind_of<MountSlack>(),
-                                    kind_of<TransducerBacklash>(), kind_of<InputDeadZone>()};
-
 }  // namespace
 
-std::span<const TermKind> mount_kinds() { return kMountKinds; }
+std::span<const TermKind> mount_kinds() {
+  return kinds_of<SupportFlexibility, MountSlack, TransducerBacklash, InputDeadZone>();
+}
 
 }  // namespace rths::sim

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kinds.hpp"
-#include "machine_kinds.hpp"
 
 namespace rths::sim {
 namespace {
 
-struct PolynomialStiffness {
+struct PolynomialStiffness : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "polynomial_stiffness";
   static constexpr std::string_view kTitle = "polynomial spring";
   static constexpr std::string_view kEquation =
       "F = f (k_1 u + k_2 u^2 + k_3 u^3),  f: stiffness factor of modifiers";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kLinear, kQuadratic, kCubic };
   static constexpr Parameter kParameters[] = {{"linear", "N/m", -1e15, 1e15, 0, 4e6},
                                               {"quadratic", "N/m2", -1e18, 1e18, 0, 5e6},
@@ -28,13 +25,11 @@ struct PolynomialStiffness {
   }
 };
 
-struct PiecewiseStiffness {
+struct PiecewiseStiffness : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "piecewise_stiffness";
   static constexpr std::string_view kTitle = "piecewise-linear spring";
   static constexpr std::string_view kEquation = "F = k_1 clip(u, u_b) + k_2 (u - clip(u, u_b))";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   enum { kInside, kOutside, kBreak };
   static constexpr Parameter kParameters[] = {{"inside_stiffness", "N/m", 0, 1e15, 0, 4e6},
                                               {"outside_stiffness", "N/m", 0, 1e15, 0, 1e7},
@@ -50,13 +45,11 @@ struct PiecewiseStiffness {
   }
 };
 
-struct PiecewiseDamping {
+struct PiecewiseDamping : Acts<Stage::Restoring, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "piecewise_damping";
   static constexpr std::string_view kTitle = "piecewise-linear damper";
   static constexpr std::string_view kEquation = "F = c_1 clip(v, v_b) + c_2 (v - clip(v, v_b))";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kSlow, kFast, kBreak };
   static constexpr Parameter kParameters[] = {{"slow_coefficient", "N*s/m", 0, 1e13, 0, 2e5},
                                               {"fast_coefficient", "N*s/m", 0, 1e13, 0, 5e4},
@@ -72,14 +65,12 @@ struct PiecewiseDamping {
   }
 };
 
-struct GapContact {
+struct GapContact : Acts<Stage::Restoring, kDissipative | kPerAxis> {
   static constexpr std::string_view kName = "gap_contact";
   static constexpr std::string_view kTitle = "stop behind a gap, with impact damping";
   static constexpr std::string_view kEquation =
       "F = sgn(u) max(0, k d (1 + c d')),  d = max(0, |u| - gap)";
   static constexpr std::string_view kSource = "Hunt & Crossley 1975, exponent 1";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kPerAxis;
   enum { kGap, kStiffness, kLoss };
   static constexpr Parameter kParameters[] = {{"gap", "m", 0, 10, 0.1, 0.1},
                                               {"stiffness", "N/m", 0, 1e15, 0, 5e7},
@@ -87,7 +78,6 @@ struct GapContact {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::abs;
     for_each_active_axis(term, [&](std::size_t axis) {
       const double side = value_of(q.displacement[axis]) < 0 ? -1 : 1;
       const Real depth = abs(q.displacement[axis]) - term.parameters[kGap];
@@ -97,11 +87,10 @@ struct GapContact {
   }
 };
 
-constexpr TermKind kSpringKinds[] = {kind_of<PolynomialStiffness>(), kind_of<PiecewiseStiffness>(),
-                                     kind_of<PiecewiseDamping>(), kind_of<GapContact>()};
-
 }  // namespace
 
-std::span<const TermKind> spring_kinds() { return kSpringKinds; }
+std::span<const TermKind> spring_kinds() {
+  return kinds_of<PolynomialStiffness, PiecewiseStiffness, PiecewiseDamping, GapContact>();
+}
 
 }  // namespace rths::sim

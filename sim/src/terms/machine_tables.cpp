@@ -7,7 +7,6 @@
 #include <rths/sim/tables.hpp>
 
 #include "kinds.hpp"
-#include "machine_kinds.hpp"
 
 namespace rths::sim {
 namespace {
@@ -41,14 +40,12 @@ constexpr auto kForceOverDisplacement = table_of("m", 10, "N");
 constexpr auto kForceOverVelocity = table_of("m/s", 1000, "N");
 constexpr auto kCoefficientOverDisplacement = table_of("m", 10, "N*s/m");
 
-struct TabulatedSpring {
+struct TabulatedSpring : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "tabulated_stiffness";
   static constexpr std::string_view kTitle = "force given by a table of the displacement";
   static constexpr std::string_view kEquation =
       "F = f(u), linear between 9 knots at -1, -3/4 ... 1 times the range, constant beyond";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   static constexpr auto& kParameters = kForceOverDisplacement;
 
   template <class Real>
@@ -60,15 +57,13 @@ struct TabulatedSpring {
   }
 };
 
-struct TabulatedDamper {
+struct TabulatedDamper : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "tabulated_damping";
   static constexpr std::string_view kTitle = "force given by a table of the velocity";
   static constexpr std::string_view kEquation =
       "F = f(v), linear between 9 knots at 0, ±0.05, ±0.2, ±0.5, ±1 times the range, constant "
       "beyond";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   static constexpr auto& kParameters = kForceOverVelocity;
 
   template <class Real>
@@ -80,15 +75,13 @@ struct TabulatedDamper {
   }
 };
 
-struct TabulatedFriction {
+struct TabulatedFriction : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "tabulated_friction";
   static constexpr std::string_view kTitle = "friction given by a table of the displacement";
   static constexpr std::string_view kEquation =
       "F = g(u) tanh(v / v_0), g linear between 9 knots at -1, -3/4 ... 1 times the range, "
       "constant beyond";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   static constexpr auto kParameters = [] {
     std::array<Parameter, kKnots + 2> parameters{};
     for (std::size_t i = 0; i <= kKnots; ++i) parameters[i] = kForceOverDisplacement[i];
@@ -98,7 +91,6 @@ struct TabulatedFriction {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::tanh;
     for_each_active_axis(term, [&](std::size_t axis) {
       const Real direction = tanh(Real{q.velocity[axis] / term.parameters[kKnots + 1]});
       q.force[axis] += direction * interpolated(term.parameters + 1, kEvenKnots,
@@ -107,14 +99,12 @@ struct TabulatedFriction {
   }
 };
 
-struct TabulatedViscosity {
+struct TabulatedViscosity : Acts<Stage::Restoring, kPerAxis> {
   static constexpr std::string_view kName = "tabulated_viscosity";
   static constexpr std::string_view kTitle = "viscosity given by a table of the displacement";
   static constexpr std::string_view kEquation =
       "F = c(u) v, c linear between 9 knots at -1, -3/4 ... 1 times the range, constant beyond";
   static constexpr std::string_view kSource = "textbook";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kPerAxis;
   static constexpr auto& kParameters = kCoefficientOverDisplacement;
 
   template <class Real>
@@ -127,11 +117,10 @@ struct TabulatedViscosity {
   }
 };
 
-constexpr TermKind kTableKinds[] = {kind_of<TabulatedSpring>(), kind_of<TabulatedDamper>(),
-                                    kind_of<TabulatedFriction>(), kind_of<TabulatedViscosity>()};
-
 }  // namespace
 
-std::span<const TermKind> table_kinds() { return kTableKinds; }
+std::span<const TermKind> table_kinds() {
+  return kinds_of<TabulatedSpring, TabulatedDamper, TabulatedFriction, TabulatedViscosity>();
+}
 
 }  // namespace rths::sim

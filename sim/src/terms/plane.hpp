@@ -30,13 +30,17 @@ template <class Real>
 
 template <class Real>
 Real length(const Plane<Real>& a) {
-  using std::sqrt;
   return sqrt(dot(a, a));
 }
 
 template <class Real>
 Plane<Real> displacement_of(const Quantities<Real>& q) {
   return {q.displacement[0], q.displacement[1]};
+}
+
+template <class Real>
+Plane<Real> velocity_of(const Quantities<Real>& q) {
+  return {q.velocity[0], q.velocity[1]};
 }
 
 }  // namespace rths::sim

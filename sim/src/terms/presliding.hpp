@@ -18,8 +18,6 @@ inline constexpr Parameter kPreslidingLength = {"presliding", "m", 1e-9, 1, 1e-4
 template <class Real>
 const Real& presliding(const TermView<Real>& term, const Quantities<Real>& q, std::size_t axis,
                        const Real& length) {
-  using std::abs;
-  using std::exp;
   Real& before = term.state[2 * axis];
   Real& s = term.state[2 * axis + 1];
   const Real du = q.displacement[axis] - before;

@@ -1,10 +1,60 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sliding.hpp"
 
-#include <vector>
+#include "hysteresis.hpp"
 
 namespace rths::sim {
 namespace {
+
+struct PendulumLift : Acts<Stage::Vertical, kFrameIndifferent> {
+  static constexpr std::string_view kName = "pendulum_lift";
+  static constexpr std::string_view kTitle = "lift of a pendulum bearing";
+  static constexpr std::string_view kEquation = "w = w - |u|^2/(2 R),  dw/dt = dw/dt - u.v/R";
+  static constexpr std::string_view kSource = "sphere, small slopes";
+  enum { kRadius };
+  static constexpr Parameter kParameters[] = {{"effective_radius", "m", 0, 100, 0, 4}};  // 0: flat
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real& radius = term.parameters[kRadius];
+    if (!(radius > 0)) return;
+    const Plane<Real> u = displacement_of(q);
+    // The slider climbs, so the same distance between the plates compresses it more.
+    q.vertical_displacement -= dot(u, u) / (2 * radius);
+    q.vertical_velocity -= dot(u, velocity_of(q)) / radius;
+  }
+};
+
+struct MultilinearAxial : Acts<Stage::Vertical> {
+  static constexpr std::string_view kName = "multilinear_axial";
+  static constexpr std::string_view kTitle = "multilinear elastic and viscous axial spring";
+  static constexpr std::string_view kEquation =
+      "N += K1 e + (K2 - K1) max(0, e - e1) + (K3 - K2) max(0, e - e2) + c de/dt >= 0,  e = -w > "
+      "0; "
+      "K_t e in tension";
+  static constexpr std::string_view kSource = "paper's axial model; corners ours";
+  enum { kStiffness1, kKnee1, kStiffness2, kKnee2, kStiffness3, kTension, kDamping };
+  static constexpr Parameter kParameters[] = {
+      {"stiffness_1", "N/m", 0, 1e13, 0, 3e9}, {"knee_1", "m", 0, 1, 1, 1.5e-3},
+      {"stiffness_2", "N/m", 0, 1e13, 0, 5e9}, {"knee_2", "m", 0, 1, 1, 2.4e-3},
+      {"stiffness_3", "N/m", 0, 1e13, 0, 7e9}, {"tension_stiffness", "N/m", 0, 1e13, 0, 1e9},
+      {"damping", "N*s/m", 0, 1e10, 0, 1e7}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Real* p = term.parameters;
+    const Real e = -q.vertical_displacement;
+    if (!(e > 0)) {
+      q.axial_load += p[kTension] * e;
+      return;
+    }
+    Real load = p[kStiffness1] * e - p[kDamping] * q.vertical_velocity;
+    if (e > p[kKnee1]) load += (p[kStiffness2] - p[kStiffness1]) * (e - p[kKnee1]);
+    if (e > p[kKnee2]) load += (p[kStiffness3] - p[kStiffness2]) * (e - p[kKnee2]);
+    // No tension while the plates separate faster than the spring can follow.
+    if (load > 0) q.axial_load += load;
+  }
+};
 
 // States of a slider: displacement before, friction force.
 enum { kBefore, kFrictionState = 2, kSliderStates = 4 };
@@ -13,7 +63,7 @@ enum { kBefore, kFrictionState = 2, kSliderStates = 4 };
 template <class Real>
 Plane<Real> friction(const TermView<Real>& term, const Quantities<Real>& q, const Real& stiffness,
                      const Real& yield) {
-  const Plane<Real> u{q.displacement[0], q.displacement[1]};
+  const Plane<Real> u = displacement_of(q);
   Plane<Real> force{term.state[kFrictionState], term.state[kFrictionState + 1]};
   slide(force, u - Plane<Real>{term.state[kBefore], term.state[kBefore + 1]}, stiffness, yield);
   term.state[kBefore] = u.x, term.state[kBefore + 1] = u.y;
@@ -21,21 +71,12 @@ Plane<Real> friction(const TermView<Real>& term, const Quantities<Real>& q, cons
   return force;
 }
 
-template <class Real>
-void add(const Plane<Real>& hysteretic, const Real& stiffness, Quantities<Real>& q) {
-  q.hysteretic_force[0] += hysteretic.x, q.hysteretic_force[1] += hysteretic.y;
-  q.force[0] += hysteretic.x + stiffness * q.displacement[0];
-  q.force[1] += hysteretic.y + stiffness * q.displacement[1];
-}
-
-struct FlatSlider {
+struct FlatSlider : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "flat_slider";
   static constexpr std::string_view kTitle = "flat slider";
   static constexpr std::string_view kEquation = "F = k0 (u - u_p),  |F| <= mu N,  N = max(0, load)";
   static constexpr std::string_view kSource =
       "Constantinou, Mokha & Reinhorn 1990; step of Krieg & Krieg 1977";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kCoefficient, kStiffness };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 0.1},
                                               {"initial_stiffness", "N/m", 1, 1e12, 4e8, 4e8}};
@@ -44,18 +85,16 @@ struct FlatSlider {
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
     const Real yield = term.parameters[kCoefficient] * q.strength * contact_load(q);
-    add(friction(term, q, term.parameters[kStiffness], yield), Real{0}, q);
+    resist(q, friction(term, q, term.parameters[kStiffness], yield), Real{0});
   }
 };
 
-struct SinglePendulum {
+struct SinglePendulum : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "single_pendulum";
   static constexpr std::string_view kTitle = "single friction pendulum (slider on a sphere)";
   static constexpr std::string_view kEquation =
       "F = N u/R + k0 (u - u_p),  |k0 (u - u_p)| <= mu N,  N = max(0, load)";
   static constexpr std::string_view kSource = "Zayas, Low & Mahin 1987; small slopes";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum { kCoefficient, kStiffness, kRadius };
   static constexpr Parameter kParameters[] = {
       {"friction_coefficient", "-", 0, 1, 0, 0.06},
@@ -69,25 +108,65 @@ struct SinglePendulum {
     const Real yield = term.parameters[kCoefficient] * q.strength * load;
     const Real& radius = term.parameters[kRadius];
     const Real stiffness = radius > 0 ? Real{q.stiffness * load / radius} : Real{0};
-    add(friction(term, q, term.parameters[kStiffness], yield), stiffness, q);
+    resist(q, friction(term, q, term.parameters[kStiffness], yield), stiffness);
   }
 };
 
-constexpr TermKind kSliders[] = {kind_of<FlatSlider>(), kind_of<SinglePendulum>()};
+struct RimStop : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
+  static constexpr std::string_view kName = "rim_stop";
+  static constexpr std::string_view kTitle = "contact with the rim";
+  static constexpr std::string_view kEquation =
+      "F = k g (1 + a dg/dt) u/|u|,  g = |u| - d,  no pull";
+  static constexpr std::string_view kSource = "Hunt & Crossley 1975, exponent 1";
+  enum { kStiffness, kClearance, kLoss };
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1e8},
+                                              {"clearance", "m", 0, 10, 1, 0.12},
+                                              {"loss", "s/m", 0, 100, 0, 0.5}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    const Plane<Real> u = displacement_of(q);
+    const Real radius = length(u);
+    const Real depth = radius - term.parameters[kClearance];
+    if (!(depth > 0) || !(radius > 0)) return;
+    const Real rate = dot(u, velocity_of(q)) / radius;
+    const Real push = term.parameters[kStiffness] * depth * (1 + term.parameters[kLoss] * rate);
+    if (!(push > 0)) return;
+    q.force[0] += push * u.x / radius;
+    q.force[1] += push * u.y / radius;
+  }
+};
+
+struct MerSpring : Acts<Stage::Restoring, kDissipative | kPerAxis> {
+  static constexpr std::string_view kName = "mer_spring";
+  static constexpr std::string_view kTitle = "pair of compression-only springs on each axis";
+  static constexpr std::string_view kEquation = "F = K (max(0, u - gap) - max(0, -u - gap))";
+  static constexpr std::string_view kSource = "EradiQuake: mass energy regulators; linear";
+  enum { kStiffness, kGap };
+  // A negative gap is a precompression: near the middle both springs push.
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1.2e7},
+                                              {"gap", "m", -1, 1, 0, 0.01}};
+
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    for_each_active_axis(term, [&](std::size_t axis) {
+      const Real& u = q.displacement[axis];
+      const Real& gap = term.parameters[kGap];
+      const Real stiffness = term.parameters[kStiffness] * q.stiffness;
+      if (u > gap) q.force[axis] += stiffness * (u - gap);
+      if (-u > gap) q.force[axis] += stiffness * (u + gap);
+    });
+  }
+};
 
 }  // namespace
 
-std::span<const TermKind> slider_kinds() { return kSliders; }
-
-std::span<const TermKind> sliding_kinds() {
-  static const std::vector<TermKind> all = [] {
-    std::vector<TermKind> kinds;
-    for (const auto& group : {sliding_vertical_kinds(), sliding_modifier_kinds(), slider_kinds(),
-                              triple_pendulum_kinds(), stop_kinds()})
-      kinds.insert(kinds.end(), group.begin(), group.end());
-    return kinds;
-  }();
-  return all;
+std::span<const TermKind> sliding_vertical_kinds() {
+  return kinds_of<PendulumLift, MultilinearAxial>();
 }
+
+std::span<const TermKind> slider_kinds() { return kinds_of<FlatSlider, SinglePendulum>(); }
+
+std::span<const TermKind> stop_kinds() { return kinds_of<MerSpring, RimStop>(); }
 
 }  // namespace rths::sim

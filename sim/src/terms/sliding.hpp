@@ -33,8 +33,6 @@ inline constexpr double kTemperatureScale = 140.183663;  ///< T_s = 50/ln(1/0.7)
 template <class Real>
 void slide(Plane<Real>& force, const Plane<Real>& increment, const Real& stiffness,
            const Real& yield) {
-  using std::exp;
-  using std::sqrt;
   if (!(yield > 0)) {
     force = {};
     return;
@@ -66,12 +64,5 @@ template <class Real>
 [[nodiscard]] Real contact_load(const Quantities<Real>& q) {
   return q.axial_load > 0 ? q.axial_load : Real{0};
 }
-
-// Kinds, in the order in which they act within a stage.
-std::span<const TermKind> sliding_vertical_kinds();
-std::span<const TermKind> sliding_modifier_kinds();
-std::span<const TermKind> slider_kinds();
-std::span<const TermKind> stop_kinds();
-std::span<const TermKind> triple_pendulum_kinds();
 
 }  // namespace rths::sim

@@ -7,32 +7,27 @@ namespace {
 
 constexpr double kPressureStep = 50e6;  // of pressure_dep_sliding [Pa]
 
-struct VelocityDepSliding {
+struct VelocityDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "velocity_dep_sliding";
   static constexpr std::string_view kTitle = "friction that grows with velocity";
   static constexpr std::string_view kEquation = "mu = mu_f (1 - x exp(-a |v|)),  x = 1 - mu_s/mu_f";
   static constexpr std::string_view kSource = "Constantinou, Mokha & Reinhorn 1990";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kReduction, kRate };
   static constexpr Parameter kParameters[] = {{"low_velocity_reduction", "-", 0, 1, 0, 0.5},
                                               {"rate", "s/m", 0, 1e7, 100, 20}};
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
-    const Real speed = length(Plane<Real>{q.velocity[0], q.velocity[1]});
+    const Real speed = length(velocity_of(q));
     q.strength *= 1 - term.parameters[kReduction] * exp(-(term.parameters[kRate] * speed));
   }
 };
 
-struct PressureDepSliding {
+struct PressureDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "pressure_dep_sliding";
   static constexpr std::string_view kTitle = "friction that falls with pressure";
   static constexpr std::string_view kEquation = "mu = mu_0 f^((p - p_0)/50 MPa),  p = N/A";
   static constexpr std::string_view kSource = "Kumar, Whittaker & Constantinou 2015, f = 0.7";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kFactor, kReference, kArea };
   static constexpr Parameter kParameters[] = {{"factor_at_50_MPa", "-", 0.01, 10, 1, 0.7},
                                               {"reference_pressure", "Pa", 0, 1e9, 0, 30e6},
@@ -40,20 +35,17 @@ struct PressureDepSliding {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::pow;
     const Real pressure = contact_load(q) / term.parameters[kArea];
     const Real excess = (pressure - term.parameters[kReference]) * (1 / kPressureStep);
     q.strength *= pow(term.parameters[kFactor], excess);
   }
 };
 
-struct PressureTanhSliding {
+struct PressureTanhSliding : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "pressure_tanh_sliding";
   static constexpr std::string_view kTitle = "friction that falls with pressure and levels off";
   static constexpr std::string_view kEquation = "mu = mu_0 (1 - x tanh(p/p_s)),  p = N/A";
   static constexpr std::string_view kSource = "Tsopelas, Constantinou & Reinhorn 1994";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kReduction, kScale, kArea };
   static constexpr Parameter kParameters[] = {{"high_pressure_reduction", "-", 0, 1, 0, 0.5},
                                               {"pressure_scale", "Pa", 1e3, 1e10, 50e6, 50e6},
@@ -61,14 +53,13 @@ struct PressureTanhSliding {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::tanh;
     const Real pressure = contact_load(q) / term.parameters[kArea];
     q.strength *= 1 - term.parameters[kReduction] * tanh(pressure / term.parameters[kScale]);
   }
 };
 
 // The heat of a step is the last step's friction times this step's velocity.
-struct FrictionHeating {
+struct FrictionHeating : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr std::string_view kName = "friction_heating";
   static constexpr std::string_view kTitle = "friction that falls with the surface's temperature";
   static constexpr std::string_view kEquation =
@@ -76,8 +67,6 @@ struct FrictionHeating {
       "q/sqrt(s),"
       "  q = max(0, F.v)/A while |u| < sqrt(A)/2";
   static constexpr std::string_view kSource = "Kumar, Whittaker & Constantinou 2015";
-  static constexpr Stage kStage = Stage::Modifier;
-  static constexpr unsigned kTraits = kFrameIndifferent;
   enum { kShare, kResidual, kScale, kArea, kConductivity, kDiffusivity };
   static constexpr Parameter kParameters[] = {
       {"heat_share", "-", 0, 1, 0, 0.9},
@@ -96,7 +85,7 @@ struct FrictionHeating {
   template <class Real>
   static Real flux(const TermView<Real>& term, const Quantities<Real>& q) {
     const Real& area = term.parameters[kArea];
-    const Plane<Real> u{q.displacement[0], q.displacement[1]};
+    const Plane<Real> u = displacement_of(q);
     if (4 * dot(u, u) > area) return Real{0};
     const Real power =
         q.last_hysteretic_force[0] * q.velocity[0] + q.last_hysteretic_force[1] * q.velocity[1];
@@ -105,8 +94,6 @@ struct FrictionHeating {
 
   template <class Real>
   static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    using std::exp;
-    using std::sqrt;
     const Real* p = term.parameters;
     const Real memory = remember(term.constants, term.state, flux(term, q));
     const Real rise =
@@ -116,12 +103,10 @@ struct FrictionHeating {
   }
 };
 
-constexpr TermKind kSlidingModifierKinds[] = {
-    kind_of<VelocityDepSliding>(), kind_of<PressureDepSliding>(), kind_of<PressureTanhSliding>(),
-    kind_of<FrictionHeating>()};
-
 }  // namespace
 
-std::span<const TermKind> sliding_modifier_kinds() { return kSlidingModifierKinds; }
+std::span<const TermKind> sliding_modifier_kinds() {
+  return kinds_of<VelocityDepSliding, PressureDepSliding, PressureTanhSliding, FrictionHeating>();
+}
 
 }  // namespace rths::sim

@@ -15,15 +15,13 @@ namespace {
 // softening friction has no solution that depends continuously on its data.
 constexpr double kHeatingTime = 0.02;  // [s]
 
-struct TriplePendulum {
+struct TriplePendulum : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   static constexpr std::string_view kName = "triple_pendulum";
   static constexpr std::string_view kTitle = "triple friction pendulum";
   static constexpr std::string_view kEquation =
       "F = N phi,  u = u1 + u2 + u3,  phi = u_i/R_i + f_i + rim_i,  |f_i| <= mu_i";
   static constexpr std::string_view kSource =
       "Fenz & Constantinou 2008; Dao, Ryan, Sato & Sasaki 2013";
-  static constexpr Stage kStage = Stage::Restoring;
-  static constexpr unsigned kTraits = kDissipative | kFrameIndifferent;
   enum {
     kRadius = 0,
     kCapacity = 3,
@@ -110,7 +108,6 @@ struct TriplePendulum {
   template <class Real>
   static void soften(const TermView<Real>& term, const Quantities<Real>& q,
                      std::array<PendulumSegment<Real>, kSegments>& segments) {
-    using std::exp;
     const Real& share = term.parameters[kShare];
     if constexpr (std::is_same_v<Real, double>)
       if (share == 0 && q.temperature == 0) return;
@@ -238,7 +235,7 @@ struct TriplePendulum {
     if (!(term.parameters[kRadius] > 0)) return;
     auto segments = segments_of(term, q);
     soften(term, q, segments);
-    const Plane<Real> total{q.displacement[0], q.displacement[1]};
+    const Plane<Real> total = displacement_of(q);
     SeriesDisplacements at = expected(term);
     const SeriesSolution solution =
         solve_series({plain(segments[0]), plain(segments[1]), plain(segments[2])},
@@ -258,10 +255,8 @@ struct TriplePendulum {
   }
 };
 
-constexpr TermKind kTriplePendulumKinds[] = {kind_of<TriplePendulum>()};
-
 }  // namespace
 
-std::span<const TermKind> triple_pendulum_kinds() { return kTriplePendulumKinds; }
+std::span<const TermKind> triple_pendulum_kinds() { return kinds_of<TriplePendulum>(); }
 
 }  // namespace rths::sim

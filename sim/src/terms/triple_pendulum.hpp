@@ -99,7 +99,6 @@ template <class Real>
 template <class Real>
 [[nodiscard]] Real carried(const PendulumSegment<Real>& segment, const Real& trial,
                            const Slip& root, double slope) noexcept {
-  using std::exp;
   if constexpr (std::is_same_v<Real, double>) return root.slip;
   const Real lost = segment.strength * segment.reduction * exp(-(segment.rate * root.slip));
   return root.slip + (trial - segment.elastic * root.slip - segment.strength + lost) * (1 / slope);

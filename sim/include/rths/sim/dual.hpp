@@ -102,6 +102,10 @@ struct Dual {
   return x.value == number && x.derivative == std::array<double, Dual::kLanes>{};
 }
 
+// The same functions of doubles, for templates over the number type.
+using std::abs, std::acos, std::cbrt, std::cos, std::exp, std::log, std::log1p, std::pow, std::sin,
+    std::sqrt, std::tanh;
+
 [[nodiscard]] inline Dual exp(const Dual& x) {
   const double f = std::exp(x.value);
   return x.chain(f, f);

@@ -1,20 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <span>
-
 #include <rths/sim/term.hpp>
 
 #include "plane.hpp"
 
 namespace rths::sim {
-
-std::span<const TermKind> bouc_wen_kinds();
-std::span<const TermKind> plastic_kinds();
-std::span<const TermKind> iwan_kinds();
-std::span<const TermKind> model_form_kinds();
-std::span<const TermKind> asymmetric_kinds();
-std::span<const TermKind> controlled_kinds();
 
 /// Adds a hysteretic force and a parallel spring to the specimen's force.
 template <class Real>
