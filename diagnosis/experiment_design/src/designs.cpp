@@ -15,9 +15,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 constexpr double kUsualDuration = 30;      // [s]
 constexpr double kLongDuration = 120;      // [s]
 constexpr double kFewestRows = 1000;       // of a test of a slow system

@@ -17,10 +17,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr double kSeparates = 12;       // [nat]: gain that separates two terms
 constexpr std::size_t kTried = 4;       // tests with the specimen that are scored with a refit
 constexpr std::size_t kTriedEmpty = 2;  // the same on the empty table

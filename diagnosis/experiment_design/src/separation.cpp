@@ -4,16 +4,10 @@
 #include <algorithm>
 #include <numeric>
 
-#include <Eigen/Core>
-
 #include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 constexpr double kFarthest = 100;  // largest change of a parameter by a refit [scales]
 

@@ -20,8 +20,8 @@ struct Tests {
 
 /// Whitened residuals and their derivatives with respect to parameters divided by their scales.
 struct PredictedRows {
-  Eigen::VectorXd residual;
-  Eigen::MatrixXd jacobian;
+  VectorXd residual;
+  MatrixXd jacobian;
 };
 
 /// A hypothesis that is tied with another: fitted to the records of a relation, with its
@@ -33,8 +33,8 @@ class Side {
 
   [[nodiscard]] const PredictedRows& records() const { return records_; }
   /// Whitened residual of a test; empty if there is no prediction.
-  [[nodiscard]] const Eigen::VectorXd& residual(std::size_t test);
-  [[nodiscard]] const Eigen::MatrixXd& jacobian(std::size_t test);
+  [[nodiscard]] const VectorXd& residual(std::size_t test);
+  [[nodiscard]] const MatrixXd& jacobian(std::size_t test);
 
  private:
   [[nodiscard]] const TestedHypothesis& on(std::size_t test) const;
@@ -43,8 +43,8 @@ class Side {
   Hypothesis hypothesis_;
   const Tests* tests_;
   TestedHypothesis whole_, empty_;  ///< with the specimen and without it
-  std::map<std::size_t, Eigen::VectorXd> residuals_;
-  std::map<std::size_t, Eigen::MatrixXd> jacobians_;
+  std::map<std::size_t, VectorXd> residuals_;
+  std::map<std::size_t, MatrixXd> jacobians_;
 };
 
 /// Difference of two sides' predictions of a test before any refit [standard deviations].

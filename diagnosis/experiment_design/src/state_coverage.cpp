@@ -10,10 +10,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr Index kCells = 12;  // along a state
 
 // A state that a test can choose.

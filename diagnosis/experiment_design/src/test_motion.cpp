@@ -8,9 +8,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 constexpr double kTurn = 2 * std::numbers::pi;
 
 // From 0 to 1 within a time, without a corner at either end.

@@ -13,10 +13,6 @@
 
 namespace rths::diagnosis {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 Cells::Cells(const Seen& seen, const std::function<Energies(const MatrixXd&)>& energies)
     : energy_{energies(seen.residual)},
       expected_(energy_.size(), 0.0),
@@ -97,7 +93,7 @@ Bands::Bands(const std::vector<double>& edges, const Drive& drive)
 Energies Bands::energies(const MatrixXd& signal) const {
   Energies result(count_ + 1, 0.0);
   for (Index output = 0; output < signal.cols(); ++output) {
-    const Eigen::VectorXcd bins = transformed(signal.col(output));
+    const VectorXcd bins = transformed(signal.col(output));
     for (Index k = 0; k < length_; ++k)
       result[band(k)] += std::norm(bins[k]) / static_cast<double>(length_);
   }
@@ -109,14 +105,14 @@ MatrixXd Bands::weighed(const MatrixXd& signal, std::vector<double> weights) con
   weights.push_back(0);
   MatrixXd result(signal.rows(), signal.cols());
   for (Index output = 0; output < signal.cols(); ++output) {
-    Eigen::VectorXcd bins = transformed(signal.col(output));
+    VectorXcd bins = transformed(signal.col(output));
     for (Index k = 0; k < length_; ++k) bins[k] *= weights[band(k)];
     result.col(output) = maths::signal_of(bins).head(rows_);
   }
   return result;
 }
 
-Eigen::VectorXcd Bands::transformed(const VectorXd& signal) const {
+VectorXcd Bands::transformed(const VectorXd& signal) const {
   VectorXd x = VectorXd::Zero(length_);
   x.head(rows_) = signal;
   return maths::spectrum(x);
@@ -192,13 +188,13 @@ class Whitening {
   }
 
  private:
-  [[nodiscard]] Eigen::VectorXcd transformed(const VectorXd& signal, Index output) const {
+  [[nodiscard]] VectorXcd transformed(const VectorXd& signal, Index output) const {
     VectorXd scaled = VectorXd::Zero(length_);
     scaled.head(signal.size()) = compared_ * signal.cwiseQuotient(deviation_.col(output)).array();
     return maths::spectrum(scaled);
   }
 
-  Eigen::ArrayXd compared_;
+  ArrayXd compared_;
   MatrixXd deviation_;
   Index length_;                      // of transforms
   std::vector<VectorXd> amplitudes_;  // of every output, by frequency; none if not known

@@ -14,12 +14,11 @@ namespace {
 // Weights that select half of the pieces of a record. Short pieces give each half a share of the
 // strongest peak. The order of Thue and Morse (number of ones in the binary number of a piece) has
 // no period, so that no half sees the same part of each period of a motion.
-Eigen::ArrayXd half_of_pieces(const Drive& drive, bool odd) {
-  const auto longest = static_cast<Eigen::Index>(kLongestPiece / drive.time_step + 1e-6);
-  const Eigen::Index piece =
-      std::clamp<Eigen::Index>(drive.rows() / kPieces, 1, std::max<Eigen::Index>(1, longest));
-  Eigen::ArrayXd weight(drive.rows());
-  for (Eigen::Index row = 0; row < drive.rows(); ++row) {
+ArrayXd half_of_pieces(const Drive& drive, bool odd) {
+  const auto longest = static_cast<Index>(kLongestPiece / drive.time_step + 1e-6);
+  const Index piece = std::clamp<Index>(drive.rows() / kPieces, 1, std::max<Index>(1, longest));
+  ArrayXd weight(drive.rows());
+  for (Index row = 0; row < drive.rows(); ++row) {
     const auto number = static_cast<std::uint64_t>(row / piece);
     weight[row] = (std::popcount(number) % 2 == 1) == odd ? 1 : 0;
   }
@@ -29,9 +28,9 @@ Eigen::ArrayXd half_of_pieces(const Drive& drive, bool odd) {
 // Rows near gaps of a record are in no fold.
 void bar_gaps(const Problem& problem, Fold& fold) {
   for (auto& share : fold.shares) {
-    const Eigen::ArrayXd& present = problem.drive(share.record).present;
+    const ArrayXd& present = problem.drive(share.record).present;
     if (present.size() == 0) continue;
-    share.weight = share.weight.size() > 0 ? Eigen::ArrayXd{share.weight * present} : present;
+    share.weight = share.weight.size() > 0 ? ArrayXd{share.weight * present} : present;
   }
 }
 

@@ -5,18 +5,12 @@
 #include <cmath>
 #include <functional>
 
-#include <Eigen/Core>
-
 #include <rths/identification/constants.hpp>
 #include <rths/identification/screening.hpp>
 #include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // Hat functions over a range: piecewise linear between equally spaced knots.
 struct Hats {

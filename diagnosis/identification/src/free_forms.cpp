@@ -6,8 +6,6 @@
 #include <numeric>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include <rths/core/error.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/intervals.hpp>
@@ -17,10 +15,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // Holds back values at knots that the motion hardly reaches. Their steps would exceed by far those
 // of all others, so that no step reduced the error. Relative to the effect of all sizes of the

@@ -4,16 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Core>
-
 #include <rths/identification/constants.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // Sums of squares about the mean of any piece of a signal over the variance of its noise, from
 // running sums.

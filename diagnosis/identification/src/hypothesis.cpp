@@ -30,9 +30,9 @@ std::string_view last_name(std::string_view parameter) {
   return parameter.substr(parameter.rfind('.') + 1);
 }
 
-std::vector<Eigen::Index> all_of(const Hypothesis& hypothesis) {
-  std::vector<Eigen::Index> all(hypothesis.free.size());
-  std::iota(all.begin(), all.end(), Eigen::Index{0});
+std::vector<Index> all_of(const Hypothesis& hypothesis) {
+  std::vector<Index> all(hypothesis.free.size());
+  std::iota(all.begin(), all.end(), Index{0});
   return all;
 }
 
@@ -60,7 +60,7 @@ bool depends_on(const Candidate& candidate, const Candidate& other) {
 }
 
 Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
-                    const Eigen::VectorXd& start) {
+                    const VectorXd& start) {
   Hypothesis result = hypothesis;
   result.terms.insert(result.terms.end(), candidate.adds.begin(), candidate.adds.end());
   for (const auto& [name, kind] : candidate.becomes)
@@ -76,10 +76,9 @@ Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
       continue;
     }
     result.free.push_back(wanted);
-    values.push_back(start[static_cast<Eigen::Index>(i)]);
+    values.push_back(start[static_cast<Index>(i)]);
   }
-  result.values =
-      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  result.values = Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
   return result;
 }
 
@@ -87,7 +86,7 @@ void take_values(const Hypothesis& from, Hypothesis& to) {
   for (std::size_t i = 0; i < to.free.size(); ++i)
     for (std::size_t k = 0; k < from.free.size(); ++k)
       if (to.free[i].name == from.free[k].name)
-        to.values[static_cast<Eigen::Index>(i)] = from.values[static_cast<Eigen::Index>(k)];
+        to.values[static_cast<Index>(i)] = from.values[static_cast<Index>(k)];
 }
 
 bool may_extend(const Hypothesis& hypothesis, const Candidate& candidate) {

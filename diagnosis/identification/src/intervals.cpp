@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Core>
-
 #include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 #include <rths/maths/decompositions.hpp>
@@ -14,10 +12,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 bool is_on_bound(const Hypothesis& hypothesis, Index i) {
   const FreeParameter& free = hypothesis.free[static_cast<std::size_t>(i)];

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/identification/constants.hpp>
@@ -14,10 +12,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 void check(const FitProblem& p) {
   const Index n = p.start.size();

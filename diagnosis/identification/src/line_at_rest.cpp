@@ -12,10 +12,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 VectorXd without_sine(const Stretch& stretch, double frequency) {
   const auto& [x, time_step] = stretch;
   const VectorXd phase = VectorXd::LinSpaced(x.size(), 0, static_cast<double>(x.size() - 1)) *
@@ -55,7 +51,7 @@ double highest(const std::vector<Stretch>& stretches, double longest, double lea
     const auto& [x, time_step] = stretch;
     VectorXd padded = VectorXd::Zero(length_for(longest, stretch));
     padded.head(x.size()) = x;
-    const Eigen::VectorXcd bins = maths::spectrum(padded);
+    const VectorXcd bins = maths::spectrum(padded);
     const double per_step = step * static_cast<double>(padded.size()) * time_step;  // 1 at one rate
     for (Index k = 0; k < sum.size(); ++k)
       sum[k] += std::norm(bins[std::llround(static_cast<double>(k) * per_step)]) /

@@ -14,10 +14,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // Commands and inputs are exact: no sensor measures them.
 bool is_measured(const std::string& role) {
   return !role.starts_with("command.") && !role.starts_with("input.") &&

@@ -5,8 +5,6 @@
 #include <limits>
 #include <numbers>
 
-#include <Eigen/Core>
-
 #include <rths/core/error.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/signal.hpp>
@@ -15,9 +13,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::VectorXd;
 
 // Adds the periodogram of one stretch to sums over bands.
 void add_periodogram(const Stretch& stretch, std::vector<double>& sums,
@@ -29,7 +24,7 @@ void add_periodogram(const Stretch& stretch, std::vector<double>& sums,
   const Index length = maths::fast_length(n);
   VectorXd padded = VectorXd::Zero(length);
   padded.head(n) = x;
-  const Eigen::VectorXcd bins = maths::spectrum(padded);
+  const VectorXcd bins = maths::spectrum(padded);
   const double scale = 2 * time_step / weight.squaredNorm();
   for (Index k = 1; k <= length / 2; ++k) {
     const double f = static_cast<double>(k) / (static_cast<double>(length) * time_step);
@@ -63,9 +58,9 @@ VectorXd smooth_polynomial(const VectorXd& x, const VectorXd& y, const VectorXd&
   VectorXd best;
   double least = 0;
   for (Index degree = 0; degree <= 3; ++degree) {
-    Eigen::MatrixXd powers = Eigen::MatrixXd::Ones(x.size(), degree + 1);
+    MatrixXd powers = MatrixXd::Ones(x.size(), degree + 1);
     for (Index k = 1; k <= degree; ++k) powers.col(k) = powers.col(k - 1).cwiseProduct(x);
-    const Eigen::MatrixXd weighted = weight.asDiagonal() * powers;
+    const MatrixXd weighted = weight.asDiagonal() * powers;
     const VectorXd fitted = powers * maths::solve_least_squares(weighted, target);
     const double cost = weight.cwiseProduct(y - fitted).squaredNorm() +
                         kChanceOfPower * static_cast<double>(degree);
@@ -190,7 +185,7 @@ NoiseSpectrum::Generator NoiseSpectrum::generator(Index samples, double time_ste
 
 VectorXd NoiseSpectrum::Generator::draw(const std::function<double()>& random) const {
   if (size_.size() == 0) return VectorXd::Zero(samples_);
-  Eigen::VectorXcd bins(length_);
+  VectorXcd bins(length_);
   bins.setZero();
   for (Index k = 1; k <= length_ / 2; ++k) {
     const std::complex<double> bin{size_[k - 1] * random(), size_[k - 1] * random()};

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Core>
-
 #include <fmt/format.h>
 
 #include <rths/identification/constants.hpp>
@@ -15,11 +13,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::ArrayXd;
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // Whitened residual of a share of a fold, rows × outputs; zero where the share has no weight.
 struct OutputRows {

@@ -12,10 +12,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // Of problems that report to nobody.
 DiagnosisProgress& no_progress() {
   thread_local DiagnosisProgress progress;

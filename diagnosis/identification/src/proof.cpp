@@ -4,19 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Core>
-
 #include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 #include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::ArrayXd;
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // Energy of the compared rows about their mean, by output.
 ArrayXd energy_about_mean(const Drive& drive, const MatrixXd& signal) {

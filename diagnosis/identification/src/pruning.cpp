@@ -69,7 +69,7 @@ class Pruning {
 
   // The last candidate that may as well not be there.
   Weak absent() const {
-    const Eigen::MatrixXd covariance =
+    const MatrixXd covariance =
         covariance_of(problem_, folds_.both, selection_.named,
                       fold_disagreement(problem_, folds_, selection_.named));
     const auto estimates = estimates_of(selection_.named, covariance);

@@ -18,9 +18,8 @@ const Channel* Record::find(const std::string& role) const {
   return nullptr;
 }
 
-Eigen::VectorXd values_of(const Channel& channel) {
-  return Eigen::VectorXd::Map(channel.values.data(),
-                              static_cast<Eigen::Index>(channel.values.size()));
+VectorXd values_of(const Channel& channel) {
+  return VectorXd::Map(channel.values.data(), static_cast<Index>(channel.values.size()));
 }
 
 }  // namespace rths::diagnosis

@@ -5,16 +5,16 @@
 
 namespace rths::diagnosis {
 
-Eigen::ArrayXd Drive::compared() const {
-  Eigen::ArrayXd weight = present.size() > 0 ? present : Eigen::ArrayXd::Ones(rows());
+ArrayXd Drive::compared() const {
+  ArrayXd weight = present.size() > 0 ? present : ArrayXd::Ones(rows());
   weight.head(first_row).setZero();
   return weight;
 }
 
-Eigen::MatrixXd Drive::compared_rows(const Eigen::MatrixXd& signal) const {
+MatrixXd Drive::compared_rows(const MatrixXd& signal) const {
   if (present.size() == 0) return signal.bottomRows(rows() - first_row);
-  std::vector<Eigen::Index> taken;
-  for (Eigen::Index row = first_row; row < rows(); ++row)
+  std::vector<Index> taken;
+  for (Index row = first_row; row < rows(); ++row)
     if (present[row] != 0) taken.push_back(row);
   return signal(taken, Eigen::all);
 }

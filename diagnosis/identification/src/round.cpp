@@ -12,8 +12,7 @@ namespace {
 
 double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
   for (std::size_t i = 0; i < hypothesis.free.size(); ++i)
-    if (hypothesis.free[i].name == parameter)
-      return hypothesis.values[static_cast<Eigen::Index>(i)];
+    if (hypothesis.free[i].name == parameter) return hypothesis.values[static_cast<Index>(i)];
   return 0;
 }
 
@@ -24,13 +23,13 @@ double energy_of(const Problem& problem, const Hypothesis& hypothesis, const Fol
 
 // A candidate in the place of the holder: all parameters have the values of the whole model, and
 // those of the candidate the values of the holder's parameters of the same name.
-Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, Eigen::VectorXd start,
+Hypothesis in_place(const Hypothesis& rest, const Candidate& candidate, VectorXd start,
                     const Hypothesis& whole, const Candidate& holder) {
   for (std::size_t i = 0; i < candidate.frees.size(); ++i)
     for (const auto& held : holder.frees)
       if (held.unit == candidate.frees[i].unit &&
           last_name(held.name) == last_name(candidate.frees[i].name))
-        start[static_cast<Eigen::Index>(i)] = value_there(whole, held.name);
+        start[static_cast<Index>(i)] = value_there(whole, held.name);
   Hypothesis result = extended(rest, candidate, start);
   take_values(whole, result);
   return result;

@@ -26,7 +26,7 @@ class Round {
   /// A model that gets one more term.
   struct Extended {
     const Hypothesis& model;
-    const Eigen::VectorXd& stated;  ///< values of its own free parameters in the case
+    const VectorXd& stated;  ///< values of its own free parameters in the case
   };
   Round(Problem& problem, const Folds& folds, const Extended& extended,
         const std::vector<Candidate>& candidates, std::uint64_t seed, const Effort& effort = {});

@@ -55,22 +55,21 @@ bool have_one_unit(const Relation& relation) {
                      [&](const auto& output) { return output.second == outputs[0].second; });
 }
 
-Eigen::ArrayXd energy_of(Eigen::MatrixXd signal, bool about_mean) {
+ArrayXd energy_of(MatrixXd signal, bool about_mean) {
   if (about_mean) signal.rowwise() -= signal.colwise().mean().eval();
   return signal.colwise().squaredNorm().transpose();
 }
 
-double relative_size(const Relation& relation, const Eigen::ArrayXd& energy,
-                     const Eigen::ArrayXd& of) {
+double relative_size(const Relation& relation, const ArrayXd& energy, const ArrayXd& of) {
   return std::sqrt(have_one_unit(relation) ? energy.sum() / of.sum() : (energy / of).mean());
 }
 
 namespace {
 
 // Removes from each column of a difference what a shift of the signal in time explains.
-void take_out_shift(const Eigen::MatrixXd& signal, double time_step, Eigen::MatrixXd& difference) {
-  for (Eigen::Index i = 0; i < signal.cols(); ++i) {
-    const Eigen::VectorXd rate = rate_of(signal.col(i), time_step);
+void take_out_shift(const MatrixXd& signal, double time_step, MatrixXd& difference) {
+  for (Index i = 0; i < signal.cols(); ++i) {
+    const VectorXd rate = rate_of(signal.col(i), time_step);
     const double square = rate.squaredNorm();
     if (square > 0) difference.col(i) -= rate * (rate.dot(difference.col(i)) / square);
   }
@@ -81,14 +80,13 @@ void take_out_shift(const Eigen::MatrixXd& signal, double time_step, Eigen::Matr
 double change_of(const Problem& problem, const Hypothesis& before, const Hypothesis& after,
                  const Fold& fold, bool without_shift) {
   const TestedHypothesis a{problem, before}, b{problem, after};
-  const auto outputs = static_cast<Eigen::Index>(problem.relation().outputs().size());
-  Eigen::ArrayXd change = Eigen::ArrayXd::Zero(outputs),
-                 size = Eigen::ArrayXd::Constant(outputs, 1e-300);
+  const auto outputs = static_cast<Index>(problem.relation().outputs().size());
+  ArrayXd change = ArrayXd::Zero(outputs), size = ArrayXd::Constant(outputs, 1e-300);
   for (const auto& share : fold.shares) {
-    const Eigen::MatrixXd with = b.prediction(share.record), bare = a.prediction(share.record);
+    const MatrixXd with = b.prediction(share.record), bare = a.prediction(share.record);
     if (with.size() == 0 || bare.size() == 0) continue;
     const Drive& drive = problem.drive(share.record);
-    Eigen::MatrixXd difference = with - bare;
+    MatrixXd difference = with - bare;
     if (without_shift) take_out_shift(bare, drive.time_step, difference);
     change += energy_of(drive.compared_rows(difference), problem.relation().has_free_offsets());
     size += energy_of(drive.compared_rows(drive.measured), true);

@@ -5,17 +5,11 @@
 #include <numeric>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include <rths/identification/constants.hpp>
 #include <rths/maths/decompositions.hpp>
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 struct Score {
   double gain;

@@ -14,10 +14,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr int kSettlingPeriods = 6;  // of the cut-off: settling time of a filter
 
 // The signal with its odd reflection on both sides: value and slope continue without a step.
@@ -199,8 +195,8 @@ VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, doubl
       a[n + i] = bridge.acceleration(time);
     }
   }
-  Eigen::VectorXcd U = maths::spectrum(u);
-  const Eigen::VectorXcd A = maths::spectrum(a);
+  VectorXcd U = maths::spectrum(u);
+  const VectorXcd A = maths::spectrum(a);
   const double period = time_step * static_cast<double>(n + margin);
   const double corner = std::pow(crossover, 4);
   for (Index k = 0; k < U.size(); ++k) {

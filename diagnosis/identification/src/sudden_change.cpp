@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Core>
-
 #include <fmt/format.h>
 
 #include <rths/identification/constants.hpp>
@@ -13,10 +11,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 // The sudden change of one parameter that explains most of a residual.
 struct ParameterChange {

@@ -47,8 +47,7 @@ ComponentTerms::ComponentTerms(const std::vector<sim::TermSettings>& terms,
   composition_ = sim::Composition{scaled, time_step / scales.time};
 }
 
-void ComponentTerms::bind(const std::string& term, const std::string& parameter,
-                          Eigen::Index free) {
+void ComponentTerms::bind(const std::string& term, const std::string& parameter, Index free) {
   const std::size_t index = composition_.parameter_index(term, parameter);
   for (const auto& candidate : composition_.terms())
     if (candidate.name == term)

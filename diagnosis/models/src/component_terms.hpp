@@ -6,8 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <Eigen/Core>
-
+#include <rths/identification/vectors.hpp>
 #include <rths/sim/composition.hpp>
 
 #include "unit_scales.hpp"
@@ -20,7 +19,7 @@ class ComponentTerms {
  public:
   struct Free {
     std::size_t parameter;  ///< of the composition
-    Eigen::Index free;      ///< of the hypothesis
+    Index free;             ///< of the hypothesis
     double scale;           ///< SI per unit
   };
 
@@ -33,7 +32,7 @@ class ComponentTerms {
   [[nodiscard]] const sim::Composition& composition() const { return composition_; }
   [[nodiscard]] const UnitScales& scales() const { return scales_; }
   /// Binds a parameter to a free one. @throws Error if no parameter has this name   @setup
-  void bind(const std::string& term, const std::string& parameter, Eigen::Index free);
+  void bind(const std::string& term, const std::string& parameter, Index free);
   [[nodiscard]] const std::vector<Free>& free() const { return free_; }
 
   /// Parameters of the composition for values of the hypothesis' free parameters [SI].

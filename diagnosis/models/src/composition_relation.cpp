@@ -10,8 +10,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::VectorXd;
-
 Predicted predicted_by(const MotionChannels& channels) {
   if (channels.predicted == "force") return Predicted::Force;
   return channels.predicted == "displacement" ? Predicted::Displacement : Predicted::Acceleration;
@@ -25,7 +23,7 @@ Place place_of(Predicted predicted) {
 double peak(const VectorXd& signal) { return signal.size() > 0 ? signal.cwiseAbs().maxCoeff() : 0; }
 
 // By the motion and the measurement of one axis.
-void widen(NaturalScale& scale, const MotionDrive& drive, std::size_t axis, Eigen::Index output,
+void widen(NaturalScale& scale, const MotionDrive& drive, std::size_t axis, Index output,
            Predicted predicted) {
   const VectorXd measured = drive.measured.col(output);
   scale.displacement = std::max(scale.displacement, peak(drive.motion[axis]));
@@ -42,7 +40,7 @@ void widen(NaturalScale& scale, const MotionDrive& drive, std::size_t axis, Eige
 }
 
 // A signal rotated in time. The end, which filters distort, stays in place.
-VectorXd rotated(const VectorXd& signal, Eigen::Index valid, Eigen::Index offset) {
+VectorXd rotated(const VectorXd& signal, Index valid, Index offset) {
   VectorXd result = signal;
   valid = std::min(valid, signal.size());
   result.head(valid - offset) = signal.segment(offset, valid - offset);
@@ -58,13 +56,13 @@ class Disturbance {
       : noise_{noise}, valid_{noise.all_rows * noise.thinning} {
     if (!record.quiet) return;
     const double steps = record.time_step / noise.model_step;
-    from_ = static_cast<Eigen::Index>(static_cast<double>(record.quiet->first) * steps);
-    quiet_ = static_cast<Eigen::Index>(static_cast<double>(record.quiet->second) * steps) - from_;
+    from_ = static_cast<Index>(static_cast<double>(record.quiet->first) * steps);
+    quiet_ = static_cast<Index>(static_cast<double>(record.quiet->second) * steps) - from_;
   }
 
-  [[nodiscard]] std::unique_ptr<Drive> of(const MotionDrive& drive, Eigen::Index rows) const {
+  [[nodiscard]] std::unique_ptr<Drive> of(const MotionDrive& drive, Index rows) const {
     auto sum = std::make_unique<MotionDrive>(drive);
-    const Eigen::Index offset = rows * noise_.thinning;
+    const Index offset = rows * noise_.thinning;
     const auto add = [&](VectorXd& to, const VectorXd& from, bool is_motion) {
       if (to.size() == 0 || to.size() != from.size()) return;
       VectorXd noise = rotated(from, valid_, offset);
@@ -78,15 +76,15 @@ class Disturbance {
       add(sum->specimen_force[axis], noise_.specimen_force[axis], false);
     }
     add(sum->axial_load, noise_.axial_load, false);
-    for (Eigen::Index output = 0; output < sum->measured.cols(); ++output)
+    for (Index output = 0; output < sum->measured.cols(); ++output)
       sum->measured.col(output) += rotated(noise_.measured.col(output), noise_.all_rows, rows);
     return sum;
   }
 
  private:
   const MotionDrive& noise_;
-  Eigen::Index valid_;
-  Eigen::Index from_ = 0, quiet_ = 0;  // steps at rest
+  Index valid_;
+  Index from_ = 0, quiet_ = 0;  // steps at rest
 };
 
 }  // namespace
@@ -110,7 +108,7 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
     const auto drive = motion_drive(*record, setup_.channels, setup_.axes, setup_.pace);
     for (std::size_t i = 0; i < setup_.axes.size(); ++i)
       for (NaturalScale* scale : {&scale_, &axis_scales_[i]})
-        widen(*scale, *drive, setup_.axes[i], static_cast<Eigen::Index>(i), predicted);
+        widen(*scale, *drive, setup_.axes[i], static_cast<Index>(i), predicted);
     if (drive->axial_load.size() > 0)
       load += drive->axial_load.mean() / static_cast<double>(records.size());
   }

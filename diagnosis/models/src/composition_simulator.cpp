@@ -11,10 +11,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // Copied at every step: that takes a fraction of the time of filling a struct with zeros.
 constexpr sim::Quantities<double> kAllAtRest{};
 

@@ -19,10 +19,9 @@ class CompositionSimulator final : public Simulator {
   CompositionSimulator(const Hypothesis& hypothesis, const MotionDrive& drive, Predicted predicted,
                        const std::vector<std::size_t>& axes);
 
-  [[nodiscard]] bool run(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& wanted,
-                         Eigen::MatrixXd& prediction,
-                         std::vector<Eigen::MatrixXd>& derivatives) const override;
-  void keep(const Eigen::VectorXd& values) override;
+  [[nodiscard]] bool run(const VectorXd& values, const std::vector<Index>& wanted,
+                         MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const override;
+  void keep(const VectorXd& values) override;
   void share(const Simulator& other) override;
 
  private:
@@ -34,14 +33,14 @@ class CompositionSimulator final : public Simulator {
     Axes output;
   };
 
-  [[nodiscard]] Parameters parameters_at(const Eigen::VectorXd& values) const;
+  [[nodiscard]] Parameters parameters_at(const VectorXd& values) const;
   /// Runs the first half, unless its parameters are those of a known output.
   [[nodiscard]] std::shared_ptr<const Specimen> specimen(
       const std::vector<double>& parameters, const std::shared_ptr<const Specimen>& known) const;
   /// The predicted quantity at every step of the model, a column for each axis.
   /// @returns false if it is not finite
   [[nodiscard]] bool predict(const Parameters& parameters, const Specimen& specimen,
-                             Eigen::Ref<Eigen::MatrixXd> output) const;
+                             Eigen::Ref<MatrixXd> output) const;
   void run_first(const std::vector<double>& parameters, Axes& output) const;
   void run_second(const std::vector<double>& parameters, Axes& force) const;
 

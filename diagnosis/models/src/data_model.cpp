@@ -10,8 +10,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-
 constexpr std::string_view kPredicted = "predicted.";
 
 std::string member_of(const std::string& role) {
@@ -111,7 +109,7 @@ DynamicModel read_data(const Config& table, const Record& record) {
   model.has_terms_on_inputs = false;
   const auto outputs = static_cast<Index>(model.outputs.size());
   const auto inputs = static_cast<Index>(model.plant_inputs.size());
-  model.linear = [added = reader.added, outputs, inputs](const Eigen::VectorXd&) {
+  model.linear = [added = reader.added, outputs, inputs](const VectorXd&) {
     LinearSystem system = LinearSystem::zeros(0, inputs, outputs, static_cast<Index>(added.size()));
     system.d.leftCols(outputs).setIdentity();
     for (Index i = 0; i < static_cast<Index>(added.size()); ++i) {

@@ -12,9 +12,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 struct TermSite {
   std::string name, title, channel;
   Part part;

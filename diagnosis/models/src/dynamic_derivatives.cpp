@@ -7,9 +7,6 @@
 
 namespace rths::diagnosis {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 using sim::Dual;
 
 namespace {

@@ -15,10 +15,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr double kStartShare = 0.1;      // of a record: determines its first state
 constexpr double kDiverged = 1e6;        // of the largest measurement
 constexpr double kForgotten = 1e-3;      // of the largest measurement
@@ -43,8 +39,8 @@ DynamicSignals with_change(DynamicSignals signals, std::pair<std::size_t, std::s
 
 // By row: 0 in the gaps of a record and behind them until the model as stated has forgotten the
 // lost inputs.
-Eigen::ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, const Record& record,
-                            const DynamicDrive& drive) {
+ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, const Record& record,
+                     const DynamicDrive& drive) {
   const auto run = [&](const DynamicSignals& signals, MatrixXd& prediction) {
     std::vector<MatrixXd> none;
     return DynamicSimulator{model, base, nullptr, drive.time_step, signals}.run(base.values, {},
@@ -52,7 +48,7 @@ Eigen::ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, c
   };
   MatrixXd with, without;
   const bool is_predicted = run(drive.signals, without);
-  const Eigen::ArrayXXd least = kForgotten * drive.measured.cwiseAbs().colwise().maxCoeff();
+  const ArrayXXd least = kForgotten * drive.measured.cwiseAbs().colwise().maxCoeff();
   // The last row that a change of the inputs in a gap still changes.
   const auto last_remembered = [&](const std::pair<std::size_t, std::size_t>& gap) {
     Index row = drive.rows() - 1;
@@ -63,7 +59,7 @@ Eigen::ArrayXd present_rows(const DynamicModel& model, const Hypothesis& base, c
       --row;
     return row;
   };
-  Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.rows());
+  ArrayXd present = ArrayXd::Ones(drive.rows());
   for (const auto& gap : record.gaps) {
     const auto first = static_cast<Index>(gap.first);
     present.segment(first, last_remembered(gap) - first + 1).setZero();

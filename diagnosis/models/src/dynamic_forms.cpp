@@ -47,7 +47,7 @@ FreeForm form_of(const FormKind& form, const Connection& connection, const Conne
                                std::string{parameter.unit}, -kMostForce * natural,
                                kMostForce * natural, kScale * natural, false, 0.0});
   }
-  candidate.starts = {Eigen::VectorXd::Zero(static_cast<Eigen::Index>(candidate.frees.size()))};
+  candidate.starts = {VectorXd::Zero(static_cast<Index>(candidate.frees.size()))};
   candidate.price = static_cast<int>(candidate.frees.size());
   candidate.adds.push_back(std::move(term));
   FreeForm result{

@@ -12,8 +12,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-
 double largest(const std::vector<double>& values) {
   double size = 0;
   for (const double value : values) size = std::max(size, std::abs(value));

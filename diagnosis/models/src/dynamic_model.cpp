@@ -3,9 +3,6 @@
 
 namespace rths::diagnosis {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-
 LinearSystem LinearSystem::zeros(Index states, Index inputs, Index outputs, Index connections) {
   LinearSystem system;
   system.a = MatrixXd::Zero(states, states);
@@ -16,12 +13,12 @@ LinearSystem LinearSystem::zeros(Index states, Index inputs, Index outputs, Inde
   system.h = MatrixXd::Zero(outputs, connections);
   system.p = system.r = MatrixXd::Zero(connections, states);
   system.q = system.s = system.t = MatrixXd::Zero(connections, inputs);
-  system.stiffness = system.damping = Eigen::VectorXd::Zero(connections);
+  system.stiffness = system.damping = VectorXd::Zero(connections);
   return system;
 }
 
-Eigen::VectorXd DynamicModel::values() const {
-  Eigen::VectorXd result(static_cast<Index>(parameters.size()));
+VectorXd DynamicModel::values() const {
+  VectorXd result(static_cast<Index>(parameters.size()));
   for (Index i = 0; i < result.size(); ++i)
     result[i] = parameters[static_cast<std::size_t>(i)].value;
   return result;

@@ -7,10 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include <rths/cases/case.hpp>
 #include <rths/identification/hypothesis.hpp>
+#include <rths/identification/vectors.hpp>
 
 namespace rths::diagnosis {
 
@@ -21,12 +20,12 @@ namespace rths::diagnosis {
 /// A sampled system has x(t + Δt) in place of x'. Terms with a mass need d'', which is known only
 /// if it was measured.
 struct LinearSystem {
-  Eigen::MatrixXd a, b, e, c, d, h, p, q, r, s, t;
+  MatrixXd a, b, e, c, d, h, p, q, r, s, t;
   /// Of the linear spring and damper, which `a` includes, by connection.
-  Eigen::VectorXd stiffness, damping;
+  VectorXd stiffness, damping;
 
-  [[nodiscard]] static LinearSystem zeros(Eigen::Index states, Eigen::Index inputs,
-                                          Eigen::Index outputs, Eigen::Index connections);
+  [[nodiscard]] static LinearSystem zeros(Index states, Index inputs, Index outputs,
+                                          Index connections);
 };
 
 /// An input of the linear system: a channel after the terms that act on it, or a rate of it.
@@ -71,14 +70,14 @@ struct DynamicModel {
   std::vector<std::string> outputs;  ///< roles
   std::vector<Connection> connections;
   std::vector<ModelParameter> parameters;
-  std::vector<ModelTerm> terms;                                ///< of the simulation
-  std::function<LinearSystem(const Eigen::VectorXd&)> linear;  ///< at values of `parameters`
+  std::vector<ModelTerm> terms;                         ///< of the simulation
+  std::function<LinearSystem(const VectorXd&)> linear;  ///< at values of `parameters`
   double sampled_every = 0;  ///< time step of a discrete-time system [s]; 0: continuous
   Hold hold = Hold::Linear;
   bool has_free_start = false;  ///< the state at the first sample is not known
   int substeps = 0;             ///< steps per sample; 0: determined from the model
 
-  [[nodiscard]] Eigen::VectorXd values() const;
+  [[nodiscard]] VectorXd values() const;
 };
 
 /// @throws Error file:line:column if the table does not describe such a model   @setup

@@ -67,13 +67,13 @@ std::vector<RoleAssignment> read_assignments(const Config& table) {
   return assignments;
 }
 
-Eigen::Index read_index(const Config& table, const std::string& key, const std::string& word,
-                        std::size_t most, const std::string& name) {
+Index read_index(const Config& table, const std::string& key, const std::string& word,
+                 std::size_t most, const std::string& name) {
   std::size_t number = 0;
   const auto [end, trouble] = std::from_chars(word.data(), word.data() + word.size(), number);
   if (trouble != std::errc{} || end != word.data() + word.size() || number < 1 || number > most)
     table.fail(key, fmt::format("'{}' is not a {}, expected 1 to {}", word, name, most));
-  return static_cast<Eigen::Index>(number) - 1;
+  return static_cast<Index>(number) - 1;
 }
 
 void finish(const Config& table) {

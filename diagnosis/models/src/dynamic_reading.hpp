@@ -28,9 +28,8 @@ struct RoleAssignment {
 
 /// Reads the text at `key` as a number from 1 to `most`; returns an index from 0.
 /// @param name  of the numbered object, for messages
-[[nodiscard]] Eigen::Index read_index(const Config& table, const std::string& key,
-                                      const std::string& word, std::size_t most,
-                                      const std::string& name);
+[[nodiscard]] Index read_index(const Config& table, const std::string& key, const std::string& word,
+                               std::size_t most, const std::string& name);
 
 /// Marks the keys that are read elsewhere as known, then rejects unknown keys.
 void finish(const Config& table);

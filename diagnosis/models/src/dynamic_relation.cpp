@@ -17,8 +17,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-
 constexpr double kWithin =
     10;  // default bounds of a parameter: from a tenth to ten times its value
 
@@ -119,15 +117,15 @@ struct OverflowingChannel {
 class NearestReading final : public Simulator {
  public:
   NearestReading(std::unique_ptr<Simulator> simulator, std::vector<OverflowingChannel> overflows,
-                 const Eigen::MatrixXd& measured)
+                 const MatrixXd& measured)
       : simulator_{std::move(simulator)}, overflows_{std::move(overflows)}, measured_{measured} {}
 
-  bool run(const Eigen::VectorXd& values, const std::vector<Index>& wanted,
-           Eigen::MatrixXd& prediction, std::vector<Eigen::MatrixXd>& derivatives) const override {
+  bool run(const VectorXd& values, const std::vector<Index>& wanted, MatrixXd& prediction,
+           std::vector<MatrixXd>& derivatives) const override {
     if (!simulator_->run(values, wanted, prediction, derivatives)) return false;
     for (const auto& [output, limit, free] : overflows_) {
       const double span = 2 * (free ? values[*free] : limit);
-      const Eigen::ArrayXd turns =
+      const ArrayXd turns =
           ((measured_.col(output) - prediction.col(output)).array() / span).round();
       prediction.col(output).array() += span * turns;
       for (std::size_t i = 0; i < wanted.size(); ++i)
@@ -139,7 +137,7 @@ class NearestReading final : public Simulator {
  private:
   std::unique_ptr<Simulator> simulator_;
   std::vector<OverflowingChannel> overflows_;
-  const Eigen::MatrixXd& measured_;  // rows × outputs
+  const MatrixXd& measured_;  // rows × outputs
 };
 
 class DynamicRelation : public Relation {

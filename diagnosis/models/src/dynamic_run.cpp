@@ -8,7 +8,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
 using sim::value_of;
 
 // Five-point differences as of measured motions, in signal.cpp; three points and fewer at the ends.

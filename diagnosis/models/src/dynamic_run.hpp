@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include <Eigen/Core>
+#include <rths/identification/vectors.hpp>
 
 #include "component_terms.hpp"
 #include "dynamic_steps.hpp"
@@ -35,7 +35,7 @@ struct DynamicSetup {
 struct DynamicSignals {
   double start = 0;                         ///< [s]
   std::vector<std::vector<double>> inputs;  ///< by input of the model
-  Eigen::VectorXd start_state;
+  VectorXd start_state;
   double limit = 0;  ///< larger outputs count as diverged
 };
 

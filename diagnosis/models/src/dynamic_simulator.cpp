@@ -13,10 +13,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 std::vector<sim::TermSettings> terms_at(const Hypothesis& hypothesis,
                                         const std::string& component) {
   std::vector<sim::TermSettings> terms;

@@ -20,21 +20,19 @@ class DynamicSimulator : public Simulator {
   DynamicSimulator(const DynamicModel& model, const Hypothesis& hypothesis,
                    const DynamicSizes* sizes, double time_step, const DynamicSignals& signals);
 
-  [[nodiscard]] bool run(const Eigen::VectorXd& values, const std::vector<Eigen::Index>& wanted,
-                         Eigen::MatrixXd& prediction,
-                         std::vector<Eigen::MatrixXd>& derivatives) const override;
+  [[nodiscard]] bool run(const VectorXd& values, const std::vector<Index>& wanted,
+                         MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const override;
 
   /// The state at the first sample that best fits the first `rows` of a measurement.
-  [[nodiscard]] Eigen::VectorXd start(const Eigen::VectorXd& values,
-                                      const Eigen::MatrixXd& measured, Eigen::Index rows) const;
+  [[nodiscard]] VectorXd start(const VectorXd& values, const MatrixXd& measured, Index rows) const;
   /// Displacements, then velocities, then accelerations of the observed connections: those with
   /// terms, or all if `sizes` is null. Empty if the run diverges.
-  [[nodiscard]] std::vector<std::vector<double>> motion(const Eigen::VectorXd& values) const;
+  [[nodiscard]] std::vector<std::vector<double>> motion(const VectorXd& values) const;
   [[nodiscard]] int substeps() const { return setup_.substeps; }
 
  private:
   struct Bound {
-    Eigen::Index free, parameter;
+    Index free, parameter;
     double scale;
   };
   /// Sets up the terms of all components and binds their free parameters.
@@ -47,14 +45,13 @@ class DynamicSimulator : public Simulator {
   /// Binds the free parameters of the linear system.
   void bind_model(const Hypothesis& hypothesis);
   [[nodiscard]] int substeps_needed(const Hypothesis& hypothesis, const DynamicSizes& sizes) const;
-  [[nodiscard]] Eigen::VectorXd plant_values(const Eigen::VectorXd& values) const;
-  [[nodiscard]] LinearSystem system(const Eigen::VectorXd& plant) const;
-  [[nodiscard]] StepMatrices<double> steps(const Eigen::VectorXd& plant) const;
-  [[nodiscard]] bool only_at_outputs(const std::vector<Eigen::Index>& lanes) const;
-  [[nodiscard]] bool run_lanes(const Eigen::VectorXd& values,
-                               const std::vector<Eigen::Index>& lanes,
-                               const StepMatrices<double>& steps, Eigen::MatrixXd& prediction,
-                               std::vector<Eigen::MatrixXd>& derivatives) const;
+  [[nodiscard]] VectorXd plant_values(const VectorXd& values) const;
+  [[nodiscard]] LinearSystem system(const VectorXd& plant) const;
+  [[nodiscard]] StepMatrices<double> steps(const VectorXd& plant) const;
+  [[nodiscard]] bool only_at_outputs(const std::vector<Index>& lanes) const;
+  [[nodiscard]] bool run_lanes(const VectorXd& values, const std::vector<Index>& lanes,
+                               const StepMatrices<double>& steps, MatrixXd& prediction,
+                               std::vector<MatrixXd>& derivatives) const;
 
   const DynamicModel& model_;
   const DynamicSignals& signals_;
@@ -62,9 +59,9 @@ class DynamicSimulator : public Simulator {
   std::vector<Bound> bound_;  ///< free parameters of the linear system
 };
 
-[[nodiscard]] std::vector<double> plain(const Eigen::VectorXd& values);
+[[nodiscard]] std::vector<double> plain(const VectorXd& values);
 /// Outputs as a matrix, rows × outputs, with at least one output.
-[[nodiscard]] Eigen::MatrixXd as_columns(const std::vector<std::vector<double>>& outputs);
+[[nodiscard]] MatrixXd as_columns(const std::vector<std::vector<double>>& outputs);
 
 /// Natural units of records, from a run of the simulation as stated.
 /// @throws Error if the run diverges   @setup

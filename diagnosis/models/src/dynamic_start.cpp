@@ -5,10 +5,6 @@
 
 namespace rths::diagnosis {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const MatrixXd& measured,
                       Index rows, const std::function<MatrixXd(const VectorXd&)>& predicted) {
   constexpr int kIterations = 3;

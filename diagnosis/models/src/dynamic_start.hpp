@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include <Eigen/Core>
+#include <rths/identification/vectors.hpp>
 
 #include "dynamic_steps.hpp"
 
@@ -14,8 +14,8 @@ namespace rths::diagnosis {
 /// @param steps  of a substep; there are `substeps` per sample
 /// @param predicted  prediction for a start state; empty if it diverges
 /// @returns zero if the first prediction diverges; empty if the model has no states
-[[nodiscard]] Eigen::VectorXd fitted_start(
-    const StepMatrices<double>& steps, int substeps, const Eigen::MatrixXd& measured,
-    Eigen::Index rows, const std::function<Eigen::MatrixXd(const Eigen::VectorXd&)>& predicted);
+[[nodiscard]] VectorXd fitted_start(const StepMatrices<double>& steps, int substeps,
+                                    const MatrixXd& measured, Index rows,
+                                    const std::function<MatrixXd(const VectorXd&)>& predicted);
 
 }  // namespace rths::diagnosis

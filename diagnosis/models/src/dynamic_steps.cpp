@@ -10,9 +10,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-
 // Modified Bessel function of the first kind, by its power series.
 double bessel_i0(double x) {
   double term = 1, sum = 1;
@@ -46,7 +43,7 @@ std::vector<double> weights_at(Hold hold, double fraction) {
   return weights;
 }
 
-Eigen::MatrixXd joined(const MatrixXd& a, const MatrixXd& b) {
+MatrixXd joined(const MatrixXd& a, const MatrixXd& b) {
   MatrixXd both(a.rows(), a.cols() + b.cols());
   both << a, b;
   return both;

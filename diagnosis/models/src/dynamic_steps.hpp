@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include <Eigen/Core>
-
+#include <rths/identification/vectors.hpp>
 #include <rths/sim/dual.hpp>
 
 #include "dynamic_model.hpp"
@@ -16,20 +15,20 @@ namespace rths::diagnosis {
 template <class Real>
 struct SmallMatrix {
   struct Position {
-    Eigen::Index row, column;
+    Index row, column;
   };
-  Eigen::Index rows = 0, columns = 0;
+  Index rows = 0, columns = 0;
   std::vector<Real> entries;     ///< row by row
   std::vector<Position> filled;  ///< of entries with a non-zero value or derivative
 
   SmallMatrix() = default;
-  explicit SmallMatrix(const Eigen::MatrixXd& values);
+  explicit SmallMatrix(const MatrixXd& values);
   /// Call after the entries have been changed.
   void find_filled();
-  [[nodiscard]] Real& operator()(Eigen::Index row, Eigen::Index column) {
+  [[nodiscard]] Real& operator()(Index row, Index column) {
     return entries[static_cast<std::size_t>(row * columns + column)];
   }
-  [[nodiscard]] const Real& operator()(Eigen::Index row, Eigen::Index column) const {
+  [[nodiscard]] const Real& operator()(Index row, Index column) const {
     return entries[static_cast<std::size_t>(row * columns + column)];
   }
 };
@@ -79,21 +78,21 @@ struct LaneMatrices {
 
 /// Interpolation of a signal between samples: weights of the samples around, by substep.
 struct Interpolation {
-  Eigen::Index before = 0;  ///< offset of the first weight before the current sample [samples]
+  Index before = 0;  ///< offset of the first weight before the current sample [samples]
   std::vector<std::vector<double>> start, end;  ///< weights at the ends of each substep
 };
 [[nodiscard]] Interpolation interpolation(Hold hold, int substeps);
 
 /// The signal at the start or the end of a substep. Beyond its ends it is constant.
 template <class Real>
-[[nodiscard]] Real between(const std::vector<Real>& signal, Eigen::Index sample,
-                           Eigen::Index before, const std::vector<double>& weights) {
-  const auto last = static_cast<Eigen::Index>(signal.size()) - 1;
+[[nodiscard]] Real between(const std::vector<Real>& signal, Index sample, Index before,
+                           const std::vector<double>& weights) {
+  const auto last = static_cast<Index>(signal.size()) - 1;
   Real sum{};
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    const Eigen::Index at = sample - before + static_cast<Eigen::Index>(i);
+    const Index at = sample - before + static_cast<Index>(i);
     add_product(sum, weights[i],
-                signal[static_cast<std::size_t>(std::min(std::max<Eigen::Index>(at, 0), last))]);
+                signal[static_cast<std::size_t>(std::min(std::max<Index>(at, 0), last))]);
   }
   return sum;
 }

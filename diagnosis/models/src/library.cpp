@@ -214,7 +214,7 @@ class Builder {
       }
     if (!absent.empty()) return choose_starts(absent);
     candidate_.starts = {
-        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()))};
+        Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()))};
   }
   [[nodiscard]] double value_in(const sim::TermSettings& term,
                                 const CandidateParameter& specification) const {
@@ -301,17 +301,16 @@ class Builder {
 
   // Every combination of the parameters' starts.
   void choose_starts(const std::vector<const CandidateParameter*>& specifications) {
-    std::vector<Eigen::VectorXd> starts{
-        Eigen::VectorXd::Zero(static_cast<Eigen::Index>(specifications.size()))};
+    std::vector<VectorXd> starts{VectorXd::Zero(static_cast<Index>(specifications.size()))};
     for (std::size_t i = 0; i < specifications.size(); ++i) {
-      std::vector<Eigen::VectorXd> longer;
+      std::vector<VectorXd> longer;
       // A parameter of both axes has the same start on both.
       const bool is_twin = i > 0 && specifications[i] == specifications[i - 1];
       const std::size_t count = is_twin ? 1 : specifications[i]->starts.size();
       for (const auto& start : starts)
         for (std::size_t k = 0; k < count; ++k) {
-          Eigen::VectorXd next = start;
-          const auto j = static_cast<Eigen::Index>(i);
+          VectorXd next = start;
+          const auto j = static_cast<Index>(i);
           const double natural = unit(parameter_of(kind_, specifications[i]->name));
           next[j] = is_twin ? start[j - 1]
                             : std::clamp(specifications[i]->starts[k] * natural,

@@ -8,9 +8,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 // Roots of longer polynomials depend on the last digits of the coefficients.
 constexpr std::size_t kMostOrder = 20;
 

@@ -8,11 +8,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::RowVectorXd;
-using Eigen::VectorXd;
-
 // A connection for terms from an output to an input, as a spring connects a mass to the ground. The
 // terms act on the output and its rate; their force is subtracted from the input. An output with
 // direct feedthrough has no such connection.

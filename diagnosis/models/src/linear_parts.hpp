@@ -8,7 +8,7 @@
 namespace rths::diagnosis {
 
 /// Makes a linear system from values of its parameters, with empty rows for connections.
-using BareSystem = std::function<LinearSystem(const Eigen::VectorXd&, Eigen::Index connections)>;
+using BareSystem = std::function<LinearSystem(const VectorXd&, Index connections)>;
 
 /// Completes a linear model that has its inputs, outputs and parameters: connections for terms
 /// between outputs and inputs, time step, and the keys common to all models.

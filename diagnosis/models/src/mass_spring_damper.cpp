@@ -6,10 +6,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // [[model.spring]] between = [0, 1], stiffness_N_per_m, damping_N_s_per_m, and tables of terms.
 void read_spring(const Config& table, Mechanics& mechanics, DynamicModel& model,
                  std::vector<ModelTerm>& terms) {

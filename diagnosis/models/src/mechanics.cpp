@@ -5,8 +5,6 @@
 #include <cmath>
 #include <optional>
 
-#include <Eigen/Core>
-
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
@@ -14,11 +12,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::RowVectorXd;
-using Eigen::VectorXd;
 
 constexpr const char* kInputs = "force.<mass>, base_acceleration or base_displacement";
 constexpr const char* kOutputs =

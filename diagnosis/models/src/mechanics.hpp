@@ -12,7 +12,7 @@ namespace rths::diagnosis {
 
 /// A spring between two masses; 0 is the ground.
 struct Spring {
-  Eigen::Index from = 0, to = 0;
+  Index from = 0, to = 0;
 };
 
 /// Masses, springs, inputs and outputs of a structure: M x'' + C x' + K x = forces of the inputs.
@@ -23,28 +23,28 @@ struct Mechanics {
 
   struct Drive {
     Input kind;
-    Eigen::Index mass;        ///< of a force
+    Index mass;               ///< of a force
     std::size_t plant_input;  ///< of the base's displacement, the next is its rate
   };
   struct Reading {
     Output kind;
-    Eigen::Index index;  ///< of the mass, or of the spring
+    Index index;  ///< of the mass, or of the spring
   };
-  Eigen::Index masses = 0;
+  Index masses = 0;
   std::vector<Spring> springs;
   std::vector<Drive> drives;
   std::vector<Reading> readings;
-  Eigen::VectorXd influence;  ///< share of the base acceleration that acts on each mass
+  VectorXd influence;  ///< share of the base acceleration that acts on each mass
 
   /// Reads [model.inputs] and [model.outputs] into this and the model.
   void read(const Config& table, DynamicModel& model);
 
   struct Matrices {
-    Eigen::MatrixXd mass, damping, stiffness;
-    Eigen::VectorXd spring_stiffness, spring_damping;  ///< of each spring
+    MatrixXd mass, damping, stiffness;
+    VectorXd spring_stiffness, spring_damping;  ///< of each spring
   };
   /// Displacement between the ends of a spring, by mass.
-  [[nodiscard]] Eigen::RowVectorXd stretch(const Spring& spring) const;
+  [[nodiscard]] RowVectorXd stretch(const Spring& spring) const;
   /// Adds a spring, and a component for terms at it.
   void add_spring(const Spring& spring, DynamicModel& model);
   /// [[spring]] between = [0, 1]

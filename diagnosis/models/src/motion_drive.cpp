@@ -16,10 +16,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr int kOrder = 4;               // of filters, one pass
 constexpr double kModelCutoff = 0.36;   // of the model's rate: below half of it
 constexpr double kLowestCrossover = 2;  // between displacement and acceleration [Hz]
@@ -145,12 +141,12 @@ double spoilt_start(const Record& record, double cutoff) {
 }
 
 // Rows that the gaps of a record spoil, also through the filter of the comparison.
-Eigen::ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
+ArrayXd present_rows(const Record& record, const MotionDrive& drive) {
   constexpr double kLeastSpread = 0.1;  // of filters [s]
   if (record.gaps.empty()) return {};
   const double spread =
       std::max(kLeastSpread, drive.cutoff > 0 ? kSpoiltPeriods / drive.cutoff : 0);
-  Eigen::ArrayXd present = Eigen::ArrayXd::Ones(drive.all_rows);
+  ArrayXd present = ArrayXd::Ones(drive.all_rows);
   const auto row_at = [&](double time) {
     return std::clamp<Index>(static_cast<Index>(time / drive.time_step), 0, drive.all_rows - 1);
   };

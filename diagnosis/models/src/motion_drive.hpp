@@ -11,7 +11,7 @@
 
 namespace rths::diagnosis {
 
-using Axes = std::array<Eigen::VectorXd, sim::kHorizontalAxes>;  ///< long, lat
+using Axes = std::array<VectorXd, sim::kHorizontalAxes>;  ///< long, lat
 
 /// Rates at which a composition runs and is compared.
 struct SampleRates {
@@ -27,17 +27,17 @@ struct SampleRates {
 /// Signals that drive a composition, at its rate: one number per step, empty if not recorded.
 class MotionDrive final : public Drive {
  public:
-  double model_step = 0;                    ///< [s]
-  int thinning = 1;                         ///< steps per row
-  Eigen::Index all_rows = 0;                ///< rows not spoilt by the ends of the filters
-  Axes motion, rate, second_rate;           ///< [m], [m/s], [m/s²]
-  Axes specimen_force;                      ///< recorded; actuators may yield under it [N]
-  Eigen::VectorXd axial_load, temperature;  ///< [N], [K]
-  Eigen::VectorXd auxiliary;                ///< first channel that controls a device [its unit]
+  double model_step = 0;             ///< [s]
+  int thinning = 1;                  ///< steps per row
+  Index all_rows = 0;                ///< rows not spoilt by the ends of the filters
+  Axes motion, rate, second_rate;    ///< [m], [m/s], [m/s²]
+  Axes specimen_force;               ///< recorded; actuators may yield under it [N]
+  VectorXd axial_load, temperature;  ///< [N], [K]
+  VectorXd auxiliary;                ///< first channel that controls a device [its unit]
 
   /// Filters and thins a signal at the model's rate to the compared rows.
-  [[nodiscard]] Eigen::VectorXd compared(const Eigen::VectorXd& signal) const;
-  [[nodiscard]] Eigen::MatrixXd compared_columns(const Eigen::MatrixXd& signals) const;
+  [[nodiscard]] VectorXd compared(const VectorXd& signal) const;
+  [[nodiscard]] MatrixXd compared_columns(const MatrixXd& signals) const;
 };
 
 /// Channels of a record that drive a composition, and channels that it predicts.

@@ -132,8 +132,7 @@ Hypothesis base_of(const Case& c, const std::string& predicted, bool& has_free_o
     std::erase_if(base.terms, [](const ModelTerm& placed) {
       return sim::has_trait(placed.settings.kind, sim::kConstant);
     });
-  base.values =
-      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size()));
+  base.values = Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size()));
   return base;
 }
 

@@ -9,9 +9,6 @@
 
 namespace rths::diagnosis {
 
-using Eigen::Index;
-using Eigen::VectorXd;
-
 VectorXd dissipated_energy(const VectorXd& power, double time_step) {
   VectorXd energy(power.size());
   double work = 0;

@@ -8,7 +8,7 @@ namespace rths::diagnosis {
 /// Energy dissipated up to each step: the smallest value of the work done from that step on,
 /// because stored energy is returned later.
 /// @param power  input power, by step [W]
-[[nodiscard]] Eigen::VectorXd dissipated_energy(const Eigen::VectorXd& power, double time_step);
+[[nodiscard]] VectorXd dissipated_energy(const VectorXd& power, double time_step);
 
 /// Adds the states, besides displacement and velocity, over which a residual of forces is mapped:
 /// axial load, temperature, control, acceleration of each axis, dissipated energy.

@@ -6,10 +6,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 // The entries of a matrix as parameters "A.1.2".
 Index add_entries(const MatrixXd& matrix, const std::string& name, DynamicModel& model) {
   const auto first = static_cast<Index>(model.parameters.size());

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include <Eigen/Core>
-
 #include <fmt/format.h>
 
 #include <rths/maths/decompositions.hpp>
@@ -11,10 +9,6 @@
 
 namespace rths::diagnosis {
 namespace {
-
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 constexpr double kSymmetry = 1e-9;  // of the largest entry
 

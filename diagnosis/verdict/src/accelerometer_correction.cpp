@@ -54,7 +54,7 @@ std::vector<double> parameters_at(const Hypothesis& hypothesis,
     for (const auto& term : composition.terms())
       if (term.name == prefix || term.name.starts_with(prefix + "."))
         parameters[composition.parameter_index(term.name, name.substr(dot + 1))] =
-            hypothesis.values[static_cast<Eigen::Index>(i)];
+            hypothesis.values[static_cast<Index>(i)];
   }
   return parameters;
 }

@@ -12,8 +12,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-
 // A record that scores itself has 32 pieces. Fewer rows than that leave resampling less than three
 // blocks of eight rows, and the test of whiteness hardly more than its 20 lags.
 constexpr Index kFewestRows = 32;
@@ -64,7 +62,7 @@ void check_rows(const Drive& drive, const Record& record, const Relation& relati
                     record.name, relation.name(), rows, drive.time_step, kFewestRows)};
 }
 
-bool is_constant(const Eigen::VectorXd& values) {
+bool is_constant(const VectorXd& values) {
   return values.maxCoeff() - values.minCoeff() <= kRoundOff * values.cwiseAbs().maxCoeff();
 }
 
@@ -101,7 +99,7 @@ void check_variation(const Drive& drive, const Record& record, const Relation& r
 std::string tension_in(const Record& record) {
   const Channel* load = record.find("vertical_force");
   if (load == nullptr || load->values.empty()) return "";
-  const Eigen::VectorXd values = values_of(*load);
+  const VectorXd values = values_of(*load);
   const double mean = values.mean();
   // Noise about zero is no tension.
   if (!(mean < 0) || values.maxCoeff() > -mean) return "";

@@ -257,7 +257,7 @@ void improve_system(const RelationFindings& found, Config& model) {
   Config values = model.table_or_empty("values");
   for (std::size_t i = 0; i < named.free.size(); ++i)
     if (!named.free[i].is_tolerance && of_added(named.free[i]) == added.end())
-      values.put(named.free[i].name, rounded(named.values[static_cast<Eigen::Index>(i)]));
+      values.put(named.free[i].name, rounded(named.values[static_cast<Index>(i)]));
   if (!values.keys().empty()) model.set("values", values);
   for (const auto& round : found.selection.rounds) {
     const Candidate& candidate = round.chosen.candidate;

@@ -40,9 +40,7 @@ std::string faster_at_rest(const Case& c) {
   return "";
 }
 
-Eigen::MatrixXd centred(const Eigen::MatrixXd& columns) {
-  return columns.rowwise() - columns.colwise().mean();
-}
+MatrixXd centred(const MatrixXd& columns) { return columns.rowwise() - columns.colwise().mean(); }
 
 bool has_family(const Record& record, const std::string& family) {
   return std::any_of(record.channels.begin(), record.channels.end(),
@@ -151,7 +149,7 @@ using Largest = std::vector<std::pair<StateName, std::pair<double, double>>>;
 void add_largest(const Drive& drive, Largest& largest) {
   if (drive.displacement.size() == 0) return;
   for (std::size_t i = 0; i < drive.state_names.size(); ++i) {
-    const auto output = static_cast<Eigen::Index>(i);
+    const auto output = static_cast<Index>(i);
     const double u = drive.displacement.col(output).cwiseAbs().maxCoeff();
     const double v = drive.velocity.col(output).cwiseAbs().maxCoeff();
     const auto known = std::find_if(largest.begin(), largest.end(), [&](const auto& one) {
@@ -266,14 +264,14 @@ std::vector<std::string> opposed_outputs(const Relation& relation,
   std::vector<std::string> opposed;
   for (const Record* record : records) {
     const auto drive = relation.prepare(*record);
-    Eigen::MatrixXd prediction;
-    std::vector<Eigen::MatrixXd> none;
+    MatrixXd prediction;
+    std::vector<MatrixXd> none;
     if (!relation.simulator(relation.base(), *drive)
              ->run(relation.base().values, {}, prediction, none))
       continue;
-    const Eigen::MatrixXd stated = centred(drive->compared_rows(prediction));
-    const Eigen::MatrixXd measured = centred(drive->compared_rows(drive->measured));
-    for (Eigen::Index i = 0; i < measured.cols(); ++i) {
+    const MatrixXd stated = centred(drive->compared_rows(prediction));
+    const MatrixXd measured = centred(drive->compared_rows(drive->measured));
+    for (Index i = 0; i < measured.cols(); ++i) {
       const double correlation = stated.col(i).normalized().dot(measured.col(i).normalized());
       if (correlation < kOpposed)
         opposed.push_back(fmt::format(

@@ -24,10 +24,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr std::size_t kExamined = 2;  // whose motion is examined: enough for sizes
 constexpr std::size_t kMostConfusions = 20;
 

@@ -19,10 +19,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr std::size_t kMostEvidence = 10;
 
 Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimates,
@@ -88,7 +84,7 @@ std::vector<double> compared_rows(const Drive& drive, const MatrixXd& values, In
 }
 
 void add_axes_of(const Drive& drive, Index output, Trace& trace) {
-  const Eigen::ArrayXd is_compared = drive.compared();
+  const ArrayXd is_compared = drive.compared();
   for (Index row = 0; row < drive.rows(); ++row)
     if (is_compared[row] != 0)
       trace.time.push_back(drive.start + static_cast<double>(row) * drive.time_step);

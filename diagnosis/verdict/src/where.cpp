@@ -10,10 +10,6 @@
 namespace rths::diagnosis {
 namespace {
 
-using Eigen::Index;
-using Eigen::MatrixXd;
-using Eigen::VectorXd;
-
 constexpr double kCellTime = 0.256;  // [s]; of a cell in noise, at least
 constexpr double kTimeCells = 100;   // of a record
 constexpr double kHighest = 0.45;    // of the sampling rate: highest third octave

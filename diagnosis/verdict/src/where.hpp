@@ -13,6 +13,6 @@ namespace rths::diagnosis {
 [[nodiscard]] Where where_of(const RelationFindings& found, const MapRange& range);
 
 /// Share of the excess energy at each row, for colours: rows × outputs, smoothed over a cell.
-[[nodiscard]] Eigen::MatrixXd excess_of(const TestedHypothesis& tested, std::size_t record);
+[[nodiscard]] MatrixXd excess_of(const TestedHypothesis& tested, std::size_t record);
 
 }  // namespace rths::diagnosis

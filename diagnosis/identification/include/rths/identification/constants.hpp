@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include <Eigen/Core>
+#include <rths/identification/vectors.hpp>
 
 // The constants of the identification: unit, meaning and reason. Those without a source were chosen
 // on cases with a known answer. Equal values coincide by accident: each may change alone.
@@ -20,7 +20,7 @@ inline constexpr int kResamples = 400;            ///< [-] of a bootstrap
 inline constexpr std::size_t kNeighbours = 3;     ///< [blocks] resampled together: they correlate
 
 // ---- Spectra
-inline constexpr Eigen::Index kZeroPadding = 4;  ///< [-] of transforms that look for a sine
+inline constexpr Index kZeroPadding = 4;  ///< [-] of transforms that look for a sine
 
 // ---- Noise of the sensors
 inline constexpr double kFewestAtRest = 100;     ///< [samples] at rest of all records, to be used
@@ -35,8 +35,8 @@ inline constexpr double kChanceOfPower = 6.6;  ///< [-] fall of chi-square by ch
 inline constexpr double kLeastVarianceOfBand =
     0.025;  ///< [-] of log density: polynomials are coarse
 // A sine at rest, which is an effect and no noise
-inline constexpr std::size_t kLeastStretches = 2;        ///< [stretches] that all have the line
-inline constexpr Eigen::Index kLeastSamplesOfLine = 50;  ///< [samples] fewer fit a sine by chance
+inline constexpr std::size_t kLeastStretches = 2;  ///< [stretches] that all have the line
+inline constexpr Index kLeastSamplesOfLine = 50;   ///< [samples] fewer fit a sine by chance
 inline constexpr double kLeastCycles = 2;  ///< [cycles] in the shortest stretch: fewer may be drift
 inline constexpr double kLeastLineShare = 0.25;  ///< [-] of the energy of every stretch
 inline constexpr double kBinRoundOff = 1e-9;     ///< [bins] of a number of bins
@@ -52,13 +52,12 @@ inline constexpr int kResidualOrder = 12;       ///< [-] of its autoregression
 inline constexpr double kResidualRidge = 1e-9;  ///< [-] of the variance: filters remove bands of it
 inline constexpr double kSmoothingTime = 0.1;   ///< [s] of the deviation over time
 inline constexpr double kPieceTime = 3;         ///< [s] shortest piece of one colour,
-inline constexpr Eigen::Index kLeastPiece = 150;      ///< [rows] and at least so many rows
+inline constexpr Index kLeastPiece = 150;       ///< [rows] and at least so many rows
 inline constexpr double kLeastErrorShare = 2e-3;      ///< [-] of the output: error of a measurement
 inline constexpr std::size_t kDrawsForShrinkage = 4;  ///< [draws] fewer cannot check themselves
 inline constexpr std::size_t kDrawsLeftOut = 2;       ///< [draws] at a time: a draw and its reverse
 inline constexpr double kFilterRoundOff = 1e-12;      ///< [-] of an output, by filters
-inline constexpr Eigen::Index kAmplitudeSmoothing =
-    300;                                         ///< [-] fraction of the frequencies: 1/300
+inline constexpr Index kAmplitudeSmoothing = 300;     ///< [-] fraction of the frequencies: 1/300
 inline constexpr double kLeastAmplitude = 0.03;  ///< [-] of the median: bands that filters removed
 
 // ---- Least squares
@@ -73,7 +72,7 @@ inline constexpr double kOwnShare = 1e-7;  ///< [-] of a column that no other ex
 
 // ---- Folds and scores
 inline constexpr std::size_t kManyRecords = 4;  ///< [records] at least so many score each other
-inline constexpr Eigen::Index kPieces = 32;     ///< [pieces] of a record that scores itself
+inline constexpr Index kPieces = 32;            ///< [pieces] of a record that scores itself
 inline constexpr double kLongestPiece = 0.125;  ///< [s] less than a peak of strong motion lasts
 inline constexpr double kScoreBlock = 1;  ///< [s] of resampling: longer than the noise's memory
 /// [-] smallest change of a prediction that counts, over the deviation of the output: integration,
@@ -132,7 +131,7 @@ inline constexpr double kLargestMove = 0.1;       ///< [scales] of a parameter, 
 inline constexpr double kClusterBlock = 1.5;      ///< [s] of the residual, which correlates within
 
 // ---- Proof
-inline constexpr Eigen::Index kLags = 20;     ///< [lags] of the residual's correlation
+inline constexpr Index kLags = 20;            ///< [lags] of the residual's correlation
 inline constexpr double kChiSquare99 = 37.6;  ///< [-] quantile of as many degrees of freedom
 inline constexpr double kAllowance = 3;       ///< [-] on it: the colour of the noise is an estimate
 inline constexpr double kWellAbove = 1.25;    ///< [-] the noise, as an error and as a variance
@@ -161,11 +160,11 @@ inline constexpr std::size_t kFittedForms = 4;  ///< [-] after screening
 inline constexpr std::size_t kStartsOfForm = 4;  ///< [-]
 inline constexpr double kLeastPeriods = 8;       ///< [periods] of a lasting sine, in a record
 // Samples that a channel holds
-inline constexpr double kLongestHold = 0.02;         ///< [-] of the record
-inline constexpr Eigen::Index kShortestHold = 2;     ///< [rows]
-inline constexpr Eigen::Index kMostHoldRows = 1000;  ///< [rows] a longer hold is several
-inline constexpr Eigen::Index kHoldEdge = 2;         ///< [rows] that a filter smears
-inline constexpr double kMostHeld = 0.25;  ///< [-] of the record: samples are lost now and then
-inline constexpr double kMostScatter = 9;  ///< [-] in a hold, over the noise: 3 deviations
+inline constexpr double kLongestHold = 0.02;  ///< [-] of the record
+inline constexpr Index kShortestHold = 2;     ///< [rows]
+inline constexpr Index kMostHoldRows = 1000;  ///< [rows] a longer hold is several
+inline constexpr Index kHoldEdge = 2;         ///< [rows] that a filter smears
+inline constexpr double kMostHeld = 0.25;     ///< [-] of the record: samples are lost now and then
+inline constexpr double kMostScatter = 9;     ///< [-] in a hold, over the noise: 3 deviations
 
 }  // namespace rths::diagnosis

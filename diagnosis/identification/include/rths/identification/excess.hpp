@@ -9,8 +9,8 @@ namespace rths::diagnosis {
 
 /// A residual, and realisations of its noise: rows × outputs each.
 struct Seen {
-  Eigen::MatrixXd residual;
-  std::vector<Eigen::MatrixXd> noise;
+  MatrixXd residual;
+  std::vector<MatrixXd> noise;
 };
 
 /// The residual of a problem's first record that neither the hypothesis' free parameters nor free
@@ -30,7 +30,7 @@ using Energies = std::vector<double>;  ///< by cell
 class Cells {
  public:
   /// @param energies  returns the energies of a signal, by cell
-  Cells(const Seen& seen, const std::function<Energies(const Eigen::MatrixXd&)>& energies);
+  Cells(const Seen& seen, const std::function<Energies(const MatrixXd&)>& energies);
 
   [[nodiscard]] std::size_t size() const { return energy_.size(); }
   [[nodiscard]] bool is_empty(std::size_t cell) const { return energy_[cell] == 0; }
@@ -49,28 +49,25 @@ class Cells {
 };
 
 /// Energies by cell of rows and outputs. Cells beyond the last are ignored.
-[[nodiscard]] std::function<Energies(const Eigen::MatrixXd&)> by_row(
+[[nodiscard]] std::function<Energies(const MatrixXd&)> by_row(
     std::size_t cells, const Drive& drive,
-    const std::function<std::size_t(Eigen::Index row, Eigen::Index output)>& cell_of);
+    const std::function<std::size_t(Index row, Index output)>& cell_of);
 
 /// Energies by frequency band, of signals padded to twice their length.
 class Bands {
  public:
   /// @param edges  [Hz]
   Bands(const std::vector<double>& edges, const Drive& drive);
-  [[nodiscard]] Energies energies(const Eigen::MatrixXd& signal) const;
+  [[nodiscard]] Energies energies(const MatrixXd& signal) const;
   /// The signal with each band multiplied by a weight, and without the frequencies outside the
   /// bands.
-  [[nodiscard]] Eigen::MatrixXd weighed(const Eigen::MatrixXd& signal,
-                                        std::vector<double> weights) const;
+  [[nodiscard]] MatrixXd weighed(const MatrixXd& signal, std::vector<double> weights) const;
 
  private:
-  [[nodiscard]] std::size_t band(Eigen::Index bin) const {
-    return band_[static_cast<std::size_t>(bin)];
-  }
-  [[nodiscard]] Eigen::VectorXcd transformed(const Eigen::VectorXd& signal) const;
+  [[nodiscard]] std::size_t band(Index bin) const { return band_[static_cast<std::size_t>(bin)]; }
+  [[nodiscard]] VectorXcd transformed(const VectorXd& signal) const;
 
-  Eigen::Index rows_, length_;
+  Index rows_, length_;
   std::size_t count_;
   std::vector<std::size_t> band_;  // of every bin; count_: beyond all edges
 };

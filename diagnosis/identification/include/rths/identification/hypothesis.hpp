@@ -7,8 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
+#include <rths/identification/vectors.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
@@ -44,11 +43,11 @@ struct FreeParameter {
 struct Hypothesis {
   std::vector<ModelTerm> terms;
   std::vector<FreeParameter> free;
-  Eigen::VectorXd values;  ///< of `free`, within their bounds
+  VectorXd values;  ///< of `free`, within their bounds
 };
 
 /// Indices of all its free parameters.
-[[nodiscard]] std::vector<Eigen::Index> all_of(const Hypothesis& hypothesis);
+[[nodiscard]] std::vector<Index> all_of(const Hypothesis& hypothesis);
 
 /// A physical effect that a simulation may have left out.
 struct Candidate {
@@ -61,8 +60,8 @@ struct Candidate {
   std::vector<ModelTerm> adds;
   /// Terms of the model, by name, and the kind that replaces theirs: same parameters and more.
   std::vector<std::pair<std::string, std::string>> becomes;
-  std::vector<FreeParameter> frees;     ///< of the added terms, or of existing ones
-  std::vector<Eigen::VectorXd> starts;  ///< values of `frees` from which fits begin, at least one
+  std::vector<FreeParameter> frees;  ///< of the added terms, or of existing ones
+  std::vector<VectorXd> starts;      ///< values of `frees` from which fits begin, at least one
   bool is_hidden = false;  ///< fitted parameters reproduce nearly all of it: screening cannot
                            ///< detect it, only a fit can
   bool is_rule = false;    ///< another hysteresis rule of the model, not an added effect
@@ -86,7 +85,7 @@ struct Candidate {
 
 /// The hypothesis with the candidate added, the candidate's parameters at a starting point.
 [[nodiscard]] Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
-                                  const Eigen::VectorXd& start);
+                                  const VectorXd& start);
 
 /// Sets every free parameter that the other hypothesis has too to its value there.
 void take_values(const Hypothesis& from, Hypothesis& to);

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include <rths/identification/selection.hpp>
+#include <rths/identification/vectors.hpp>
 
 namespace rths::diagnosis {
 
@@ -22,20 +21,20 @@ struct Estimate {
 /// prediction of up to kMaterial.
 /// @param inflation  smallest ratio of standard deviations to those of white noise alone
 /// @returns zero if there is no prediction
-[[nodiscard]] Eigen::MatrixXd covariance_of(const Problem& problem, const Fold& fold,
-                                            const Hypothesis& fitted, double inflation = 1);
+[[nodiscard]] MatrixXd covariance_of(const Problem& problem, const Fold& fold,
+                                     const Hypothesis& fitted, double inflation = 1);
 
 /// Every free parameter with its interval, which ends at the bounds.
 /// @param covariance  of the free parameters
 [[nodiscard]] std::vector<Estimate> estimates_of(const Hypothesis& fitted,
-                                                 const Eigen::MatrixXd& covariance);
+                                                 const MatrixXd& covariance);
 
 /// Whether all sizes of a candidate together may have the values of no effect: Wald's test at 5 %
 /// (Wald 1943). Its other parameters count as known, at the price of their degrees of freedom.
 /// False for a candidate without sizes.
 /// @param covariance  of the free parameters of `fitted`, which contain those of the candidate
 [[nodiscard]] bool may_be_absent(const Candidate& candidate, const Hypothesis& fitted,
-                                 const Eigen::MatrixXd& covariance);
+                                 const MatrixXd& covariance);
 
 /// Root mean square difference of the parameters that the two folds prefer, over its deviation in
 /// white noise (Birge 1932); at least 1. More than 1: the form of the model is not quite right, and

@@ -65,25 +65,24 @@ class VaryingNoise {
  public:
   VaryingNoise() = default;
   /// White noise of constant size.
-  VaryingNoise(Eigen::Index rows, double deviation);
+  VaryingNoise(Index rows, double deviation);
   /// @param draws  of the noise, of equal length   @param half  half width of smoothing [rows]
   /// @param piece  rows of one colour              @param least  smallest size
-  VaryingNoise(const std::vector<Eigen::VectorXd>& draws, Eigen::Index half, Eigen::Index piece,
-               double least);
+  VaryingNoise(const std::vector<VectorXd>& draws, Index half, Index piece, double least);
 
   /// Noise → white numbers of variance 1.
-  [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& noise) const;
+  [[nodiscard]] VectorXd whitened(const VectorXd& noise) const;
   /// Constant noise, as in the piece of median size.
-  [[nodiscard]] VaryingNoise steady(Eigen::Index rows) const;
+  [[nodiscard]] VaryingNoise steady(Index rows) const;
   void grow(double factor) { deviation_ *= factor; }
-  [[nodiscard]] const Eigen::VectorXd& deviation() const { return deviation_; }
-  [[nodiscard]] Eigen::Index order() const;
+  [[nodiscard]] const VectorXd& deviation() const { return deviation_; }
+  [[nodiscard]] Index order() const;
   /// Mean logarithm of the divisor of whitening.
   [[nodiscard]] double log_size() const;
 
  private:
-  Eigen::VectorXd deviation_;
-  Eigen::Index piece_ = 1;
+  VectorXd deviation_;
+  Index piece_ = 1;
   std::vector<AutoRegression> colours_;  ///< of every piece
 };
 
@@ -93,25 +92,24 @@ class ResidualNoise {
  public:
   /// @param draws  residuals due to noise alone, rows × outputs each
   /// @param has_colour  false: whitening only divides by the size
-  ResidualNoise(const std::vector<Eigen::MatrixXd>& draws, const Drive& drive, bool has_colour);
+  ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& drive, bool has_colour);
 
   /// The same noise at its median size, for a test that was not run yet.
   [[nodiscard]] ResidualNoise steady(const Drive& drive) const;
 
   /// Residual → numbers that are white, of variance 1, if it is noise. Rows before
   /// Drive::first_row are zero.
-  [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& residual) const;
+  [[nodiscard]] MatrixXd whitened(const MatrixXd& residual) const;
   /// Of one output.
-  [[nodiscard]] Eigen::VectorXd whitened(const Eigen::VectorXd& residual,
-                                         Eigen::Index output) const;
+  [[nodiscard]] VectorXd whitened(const VectorXd& residual, Index output) const;
   /// Rows × outputs.
-  [[nodiscard]] Eigen::MatrixXd deviation() const;
+  [[nodiscard]] MatrixXd deviation() const;
   /// Mean logarithm of the divisor of residuals: the level of the noise.
   [[nodiscard]] double log_size() const;
 
  private:
   std::vector<VaryingNoise> outputs_;
-  Eigen::Index first_row_ = 0;
+  Index first_row_ = 0;
 };
 
 }  // namespace rths::diagnosis

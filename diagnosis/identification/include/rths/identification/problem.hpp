@@ -17,7 +17,7 @@ namespace rths::diagnosis {
 struct Fold {
   struct Share {
     std::size_t record;
-    Eigen::ArrayXd weight;  ///< 0 or 1 for each row; empty: all of them
+    ArrayXd weight;  ///< 0 or 1 for each row; empty: all of them
   };
   std::vector<Share> shares;
 };
@@ -39,7 +39,7 @@ class Problem {
   [[nodiscard]] const Drive& drive(std::size_t i) const { return *records_[i].drive; }
   [[nodiscard]] const ResidualNoise& noise(std::size_t i) const { return *records_[i].noise; }
   /// Residuals due to noise alone, at the hypothesis of the last renewal.
-  [[nodiscard]] const std::vector<Eigen::MatrixXd>& draws(std::size_t i) const {
+  [[nodiscard]] const std::vector<MatrixXd>& draws(std::size_t i) const {
     return records_[i].draws;
   }
   [[nodiscard]] bool has_colour() const { return has_colour_; }
@@ -57,8 +57,8 @@ class Problem {
   /// through its model. A record that the model cannot predict keeps its noise.
   void renew_noise(const Hypothesis& hypothesis);
   /// Residuals of a record due to noise alone at a hypothesis, from a few draws.
-  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_at(const Hypothesis& hypothesis,
-                                                      std::size_t record) const;
+  [[nodiscard]] std::vector<MatrixXd> draws_at(const Hypothesis& hypothesis,
+                                               std::size_t record) const;
   /// Level of the residual noise at a hypothesis, see ResidualNoise::log_size; from a few draws.
   /// None if it does not predict every record.
   [[nodiscard]] std::optional<double> log_noise(const Hypothesis& hypothesis) const;
@@ -69,16 +69,16 @@ class Problem {
     const Record* record;
     std::shared_ptr<const Drive> drive;
     std::vector<std::shared_ptr<const Drive>> disturbed;
-    std::vector<Eigen::MatrixXd> draws;
+    std::vector<MatrixXd> draws;
     std::shared_ptr<const ResidualNoise> noise;
   };
 
-  [[nodiscard]] std::vector<Eigen::MatrixXd> draws_of(const RecordData& data,
-                                                      const Hypothesis& hypothesis,
-                                                      std::size_t most) const;
+  [[nodiscard]] std::vector<MatrixXd> draws_of(const RecordData& data, const Hypothesis& hypothesis,
+                                               std::size_t most) const;
   /// None if the model has no prediction.
-  [[nodiscard]] std::optional<std::vector<Eigen::MatrixXd>> possible_draws(
-      const RecordData& data, const Hypothesis& hypothesis, std::size_t most) const;
+  [[nodiscard]] std::optional<std::vector<MatrixXd>> possible_draws(const RecordData& data,
+                                                                    const Hypothesis& hypothesis,
+                                                                    std::size_t most) const;
 
   const Relation* relation_ = nullptr;
   bool has_colour_ = false;
@@ -99,20 +99,19 @@ class TestedHypothesis {
   [[nodiscard]] const Problem& problem() const { return *problem_; }
 
   /// Prediction for a record at the hypothesis' values, rows × outputs; empty if there is none.
-  [[nodiscard]] Eigen::MatrixXd prediction(std::size_t record) const;
+  [[nodiscard]] MatrixXd prediction(std::size_t record) const;
   /// Whitened residual of a record, without its offset if that is free: rows × outputs. Rows that
   /// are not compared are zero.
-  [[nodiscard]] Eigen::MatrixXd whitened(std::size_t record) const;
+  [[nodiscard]] MatrixXd whitened(std::size_t record) const;
   /// Residual and its derivatives, stacked over the shares of a fold, outputs and rows.
   /// @returns false if there is no prediction
-  [[nodiscard]] bool evaluate(const Fold& fold, const Eigen::VectorXd& values,
-                              const std::vector<Eigen::Index>& wanted, Eigen::VectorXd& residual,
-                              Eigen::MatrixXd& jacobian) const;
+  [[nodiscard]] bool evaluate(const Fold& fold, const VectorXd& values,
+                              const std::vector<Index>& wanted, VectorXd& residual,
+                              MatrixXd& jacobian) const;
   /// The fit of all free parameters to a fold, from the hypothesis' values.
   /// @param ridge  adds (ridge · (value − start))² of every parameter to the squares; empty:
   /// nothing
-  [[nodiscard]] Fit fit(const Fold& fold, int most_iterations,
-                        const Eigen::VectorXd& ridge = {}) const;
+  [[nodiscard]] Fit fit(const Fold& fold, int most_iterations, const VectorXd& ridge = {}) const;
   /// ½ Σ w² of every second of a fold's records [nat].
   [[nodiscard]] std::vector<double> blocks(const Fold& fold) const;
   /// The part of `blocks` that noise is expected to cause at this hypothesis: a model that reacts
@@ -123,12 +122,11 @@ class TestedHypothesis {
 
   /// Keeps what predictions for the records of a fold near the hypothesis' values have in common.
   void keep(const Fold& fold);
-  void set_values(const Eigen::VectorXd& values) { hypothesis_.values = values; }
+  void set_values(const VectorXd& values) { hypothesis_.values = values; }
 
  private:
-  bool stack(const Fold::Share& share, const Eigen::VectorXd& values,
-             const std::vector<Eigen::Index>& wanted, Eigen::Index first, Eigen::VectorXd& residual,
-             Eigen::MatrixXd& jacobian) const;
+  bool stack(const Fold::Share& share, const VectorXd& values, const std::vector<Index>& wanted,
+             Index first, VectorXd& residual, MatrixXd& jacobian) const;
 
   const Problem* problem_;
   Hypothesis hypothesis_;

@@ -23,7 +23,7 @@ struct RecordScore {
 /// Zero of each output in each record, by record: the mean error of the named model, which a sensor
 /// may have and is no error. An effect that is an offset counts, because all models have the same
 /// zeros. Empty where offsets are free: then each model has its own.
-using Zeros = std::vector<Eigen::RowVectorXd>;
+using Zeros = std::vector<RowVectorXd>;
 [[nodiscard]] Zeros zeros_of(const TestedHypothesis& named);
 
 /// Error of a hypothesis on a record: root mean square over the standard deviation of the

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
+#include <rths/identification/vectors.hpp>
 
 namespace rths::diagnosis {
 
@@ -52,6 +52,6 @@ struct Record {
 };
 
 /// The samples of a channel [its unit].
-[[nodiscard]] Eigen::VectorXd values_of(const Channel& channel);
+[[nodiscard]] VectorXd values_of(const Channel& channel);
 
 }  // namespace rths::diagnosis

@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include <Eigen/Core>
-
 #include <rths/identification/hypothesis.hpp>
 #include <rths/identification/record.hpp>
+#include <rths/identification/vectors.hpp>
 
 namespace rths::diagnosis {
 
@@ -26,20 +25,20 @@ class Drive {
   virtual ~Drive() = default;
 
   double start = 0, time_step = 0;  ///< of the rows [s]
-  Eigen::MatrixXd measured;         ///< rows × outputs, filtered as predictions are
+  MatrixXd measured;                ///< rows × outputs, filtered as predictions are
   /// States over which the residual is mapped: rows × outputs, empty if unknown [m], [m/s].
-  Eigen::MatrixXd displacement, velocity;
+  MatrixXd displacement, velocity;
   std::vector<StateName> state_names;  ///< of `displacement`, by output
   double cutoff = 0;  ///< of the low-pass filter on measurement and prediction [Hz]; 0: none
-  std::vector<std::pair<std::string, Eigen::VectorXd>> states;  ///< "axial load [N]", by row
-  Eigen::ArrayXd present;      ///< by row: 0 near gaps of the record, else 1; empty: no gaps
-  Eigen::Index first_row = 0;  ///< first compared row: before it the state is unknown
+  std::vector<std::pair<std::string, VectorXd>> states;  ///< "axial load [N]", by row
+  ArrayXd present;      ///< by row: 0 near gaps of the record, else 1; empty: no gaps
+  Index first_row = 0;  ///< first compared row: before it the state is unknown
 
-  [[nodiscard]] Eigen::Index rows() const { return measured.rows(); }
+  [[nodiscard]] Index rows() const { return measured.rows(); }
   /// By row: 1 if it is compared, else 0.
-  [[nodiscard]] Eigen::ArrayXd compared() const;
+  [[nodiscard]] ArrayXd compared() const;
   /// The compared rows of a signal.
-  [[nodiscard]] Eigen::MatrixXd compared_rows(const Eigen::MatrixXd& signal) const;
+  [[nodiscard]] MatrixXd compared_rows(const MatrixXd& signal) const;
 };
 
 /// A hypothesis, prepared to run on one record.
@@ -52,12 +51,11 @@ class Simulator {
   /// @param prediction  rows × outputs
   /// @param derivatives  one for each wanted parameter, rows × outputs
   /// @returns false if there is no prediction at these values (it diverges)
-  [[nodiscard]] virtual bool run(const Eigen::VectorXd& values,
-                                 const std::vector<Eigen::Index>& wanted,
-                                 Eigen::MatrixXd& prediction,
-                                 std::vector<Eigen::MatrixXd>& derivatives) const = 0;
+  [[nodiscard]] virtual bool run(const VectorXd& values, const std::vector<Index>& wanted,
+                                 MatrixXd& prediction,
+                                 std::vector<MatrixXd>& derivatives) const = 0;
   /// Computes once what runs near these values have in common. Changes no prediction.
-  virtual void keep(const Eigen::VectorXd& /*values*/) {}
+  virtual void keep(const VectorXd& /*values*/) {}
   /// Uses what another simulator of the same relation and drive keeps.
   virtual void share(const Simulator& /*other*/) {}
 };

@@ -26,12 +26,12 @@ namespace rths::diagnosis {
 /// otherwise each output has its own.
 [[nodiscard]] bool have_one_unit(const Relation& relation);
 /// Sum of squares of each column.
-[[nodiscard]] Eigen::ArrayXd energy_of(Eigen::MatrixXd signal, bool about_mean);
+[[nodiscard]] ArrayXd energy_of(MatrixXd signal, bool about_mean);
 /// Root mean square of the outputs over that of another signal [-]. Outputs of different units
 /// count alike.
 /// @param energy  of the outputs   @param of  energy of the other signal
-[[nodiscard]] double relative_size(const Relation& relation, const Eigen::ArrayXd& energy,
-                                   const Eigen::ArrayXd& of);
+[[nodiscard]] double relative_size(const Relation& relation, const ArrayXd& energy,
+                                   const ArrayXd& of);
 
 /// Smallest change of a prediction that counts, see change_of: integration, filters and sampling
 /// may cause as much.

@@ -10,17 +10,17 @@ namespace rths::diagnosis {
 /// Removes from signals everything that a linear combination of some columns can reproduce.
 class Complement {
  public:
-  explicit Complement(const Eigen::MatrixXd& columns);
-  void take_out(Eigen::Ref<Eigen::VectorXd> x) const;
+  explicit Complement(const MatrixXd& columns);
+  void take_out(Eigen::Ref<VectorXd> x) const;
 
  private:
-  Eigen::MatrixXd basis_;  ///< orthonormal
+  MatrixXd basis_;  ///< orthonormal
 };
 
 /// Result of screening a candidate, before it is fitted.
 struct Screened {
   const Candidate* candidate;
-  std::vector<Eigen::VectorXd> starts;  ///< best first
+  std::vector<VectorXd> starts;  ///< best first
   double gain = 0;  ///< log-likelihood gain of its linearised signature on the fold [nat]
 };
 
