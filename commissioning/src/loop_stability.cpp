@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/commissioning/loop_stability.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>

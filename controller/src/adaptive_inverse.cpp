@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/controller/adaptive_inverse.hpp>
 
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

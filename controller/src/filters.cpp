@@ -2,10 +2,8 @@
 #include <rths/controller/filters.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include <fmt/format.h>
 #include <Eigen/Core>

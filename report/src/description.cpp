@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Facts of a run in words, from the experiment in its recording.
-#include <algorithm>
 #include <map>
 #include <optional>
 

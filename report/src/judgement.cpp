@@ -2,7 +2,6 @@
 #include <rths/report/judgement.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>

@@ -2,7 +2,6 @@
 #include "ticks.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include <rths/core/error.hpp>
 

@@ -2,7 +2,6 @@
 //
 // Records of USGS in its format SMC: 11 lines of text, 48 integers, 50 reals, comments, values in
 // cm/s². The first integer and the first real stand for a missing number.
-#include <cmath>
 
 #include <fmt/format.h>
 

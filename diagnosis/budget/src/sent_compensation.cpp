@@ -2,7 +2,6 @@
 #include "sent_compensation.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace rths::budget {
 namespace {

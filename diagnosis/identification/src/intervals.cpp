@@ -2,7 +2,6 @@
 #include <rths/identification/intervals.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <rths/identification/constants.hpp>

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <complex>
 #include <limits>
-#include <numbers>
 
 #include <rths/core/error.hpp>
 #include <rths/identification/constants.hpp>

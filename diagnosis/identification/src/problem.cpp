@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/identification/problem.hpp>
 
-#include <cmath>
-
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>

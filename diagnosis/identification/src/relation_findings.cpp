@@ -2,7 +2,6 @@
 #include <rths/identification/relation_findings.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include <rths/identification/constants.hpp>

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/models/barred.hpp>
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>

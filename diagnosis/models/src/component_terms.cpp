@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "component_terms.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>

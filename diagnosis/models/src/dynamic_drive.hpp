@@ -3,7 +3,6 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include <rths/cases/case.hpp>
 #include <rths/identification/relation.hpp>

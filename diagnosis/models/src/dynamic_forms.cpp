@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dynamic_forms.hpp"
 
-#include <algorithm>
 #include <numbers>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/sim/machine/platen_machine.hpp>
 
-#include <algorithm>
 #include <numbers>
 #include <random>
 

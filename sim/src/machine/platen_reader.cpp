@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Reads the file of a machine. Every key is required, so that the file shows the whole machine.
-#include <limits>
 #include <string>
 
 #include <fmt/format.h>

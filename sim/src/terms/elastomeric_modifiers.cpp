@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Modifiers of elastomeric bearings' strength and stiffness, except heating:
 // docs/theory/lead_rubber.md, "Modifiers".
-#include <cmath>
 
 #include "elastomeric.hpp"
 #include "kinds.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // Forces of the rubber besides its linear stiffness: docs/theory/lead_rubber.md, "Restoring".
-#include <cmath>
 
 #include "elastomeric.hpp"
 #include "kinds.hpp"

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // The vertical behaviour of elastomeric bearings: docs/theory/lead_rubber.md, "Vertical".
-#include <cmath>
 #include <numbers>
 
 #include "elastomeric.hpp"

@@ -2,7 +2,6 @@
 //
 // Laws given by values at knots: of devices that were measured, and of effects without a name.
 #include <array>
-#include <cmath>
 
 #include <rths/sim/tables.hpp>
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cmath>
-
 #include <rths/sim/dual.hpp>
 #include <rths/sim/term.hpp>
 
