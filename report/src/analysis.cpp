@@ -22,11 +22,6 @@
 namespace rths::report {
 namespace {
 
-using recording::at_each_count;
-using recording::AxisRoles;
-using recording::Reader;
-using recording::Roles;
-
 constexpr double kWindow = 2.0;        // of windowed tracking [s]
 constexpr double kWindowStep = 0.25;   // [s]
 constexpr double kWindowSearch = 0.1;  // [s]

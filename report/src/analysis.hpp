@@ -16,6 +16,8 @@
 
 namespace rths::report {
 
+using recording::AxisRoles, recording::Reader, recording::Roles, recording::at_each_count;
+
 /// Values equally spaced in time.
 struct Series {
   double start = 0;     ///< time of the first value [s]
@@ -196,30 +198,28 @@ struct Analysis {
 
 /// Number of targets until each row: as controller or solver count them, or else the changes of
 /// target and flag, of which rows can miss some. Empty if the recording has neither.
-[[nodiscard]] std::vector<double> targets_of(const recording::Reader& run,
-                                             const recording::Roles& roles);
+[[nodiscard]] std::vector<double> targets_of(const Reader& run, const Roles& roles);
 
-[[nodiscard]] RunDescription describe(const recording::Reader& run);
+[[nodiscard]] RunDescription describe(const Reader& run);
 
 /// Hops of updates between the hosts of a test, from the signals of their gateways.
-[[nodiscard]] std::vector<HopAnalysis> analyse_hops(const recording::Reader& run);
+[[nodiscard]] std::vector<HopAnalysis> analyse_hops(const Reader& run);
 /// Name of the host of a gateway's signals: "lab" of partition "gateway.lab"; empty for others.
 [[nodiscard]] std::string host_of_gateway(const std::string& partition);
 
 /// Changes of words that no node of the run writes, in order of time. A word that changes often is
 /// data of another program and not listed.
-[[nodiscard]] std::vector<OperatorChange> operator_changes(const recording::Reader& run);
+[[nodiscard]] std::vector<OperatorChange> operator_changes(const Reader& run);
 
 /// States and trip of the safety layer, in order of time.
-[[nodiscard]] std::vector<SafetyChange> safety_changes(const recording::Reader& run);
+[[nodiscard]] std::vector<SafetyChange> safety_changes(const Reader& run);
 
 /// Floor spectra of the run and its companions, null if not recorded. No floors: the solver records
 /// none.
 /// @param step  of the solver [s]
-[[nodiscard]] SpectraAnalysis analyse_spectra(const recording::Reader& run,
-                                              const std::string& solver, double step,
-                                              const recording::Reader* numerical,
-                                              const recording::Reader* improved);
+[[nodiscard]] SpectraAnalysis analyse_spectra(const Reader& run, const std::string& solver,
+                                              double step, const Reader* numerical,
+                                              const Reader* improved);
 
 /// Largest delay that is looked for in a whole test [s].
 inline constexpr double kDelaySearch = 0.2;
@@ -237,7 +237,7 @@ struct RecordedLateness {
   [[nodiscard]] bool was_late(double from, double to) const;
 };
 /// The control period is that of the recording; without steps of a controller, 1 ms.
-[[nodiscard]] RecordedLateness lateness_of(const recording::Reader& run);
+[[nodiscard]] RecordedLateness lateness_of(const Reader& run);
 
 /// Model time at a wall time since the run began [s].
 /// @param rest  wall time before the test [s]   @param rate  wall time over model time

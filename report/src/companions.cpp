@@ -16,10 +16,6 @@
 namespace rths::report {
 namespace {
 
-using recording::at_each_count;
-using recording::Reader;
-using recording::Roles;
-
 // Model time of each target of the solver.
 std::vector<double> times_of_targets(const Reader& run, const Roles& roles,
                                      const std::vector<double>& targets, double step) {

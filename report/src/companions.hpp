@@ -12,22 +12,21 @@ namespace rths::report {
 
 /// Recordings with a model instead of the specimen; null if there is none.
 struct CompanionRecordings {
-  const recording::Reader* numerical;
-  const recording::Reader* improved;
+  const Reader* numerical;
+  const Reader* improved;
 };
 
 /// Results of the analysed axes with a model instead of the specimen.
 /// @param step  integration step of the run [s]
-[[nodiscard]] CompanionAnalysis analyse_companions(const recording::Reader& run,
-                                                   const recording::Roles& roles, double step,
+[[nodiscard]] CompanionAnalysis analyse_companions(const Reader& run, const Roles& roles,
+                                                   double step,
                                                    const std::vector<AxisAnalysis>& axes,
                                                    const CompanionRecordings& companions);
 
 /// Of the tested axes whose targets are recorded.
 /// @param step  integration step of the run [s]
-[[nodiscard]] std::vector<NumericalAxis> numerical_axes(const recording::Reader& run,
-                                                        const recording::Roles& roles, double step,
-                                                        const recording::Reader& numerical);
+[[nodiscard]] std::vector<NumericalAxis> numerical_axes(const Reader& run, const Roles& roles,
+                                                        double step, const Reader& numerical);
 
 /// Response and floor spectra of another test, such as the same test at another speed.
 /// @throws Error if it lacks an axis of this one

@@ -21,13 +21,13 @@ using Break = std::optional<Broken>;
                                              const Evidence& all);
 
 /// Rows of the test, without the retreat after it.
-[[nodiscard]] std::size_t test_rows(const recording::Reader& run);
+[[nodiscard]] std::size_t test_rows(const Reader& run);
 
 /// A trip of the safety layer, from the run's recording.
-[[nodiscard]] Break safety_of(const recording::Reader& run);
+[[nodiscard]] Break safety_of(const Reader& run);
 /// A node or a target that was late in the half second before a time, as a sentence; empty if none
 /// was.
-[[nodiscard]] std::string lateness_before(const recording::Reader& run, double time);
+[[nodiscard]] std::string lateness_before(const Reader& run, double time);
 
 // Of the signals of one axis.
 [[nodiscard]] Break limit_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds);

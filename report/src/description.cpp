@@ -87,7 +87,7 @@ struct MachineNode {
 
 // An ideal machine, and some machines of users, play the controller too. Their experiment has no
 // node with the role.
-MachineNode machine_in(const Config& file, const recording::Roles& roles) {
+MachineNode machine_in(const Config& file, const Roles& roles) {
   const Config nodes = file.table_or_empty("node");
   if (nodes.is_table(roles.machine))
     return {roles.machine, nodes.table(roles.machine).text("adapter", "")};
@@ -207,13 +207,13 @@ std::string motion_name(const Config& file) {
 
 }  // namespace
 
-std::optional<bool> is_of_models(const recording::Reader& run) {
+std::optional<bool> is_of_models(const Reader& run) {
   const auto experiment = recording::experiment_in(run);
   if (!experiment) return std::nullopt;
   return contains(models_of_machines(), machine_in(*experiment, recording::roles_of(run)).adapter);
 }
 
-RunDescription describe(const recording::Reader& run) {
+RunDescription describe(const Reader& run) {
   RunDescription test;
   test.meta = run.meta();
   test.clock = test.meta["clock"];

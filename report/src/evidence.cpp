@@ -15,10 +15,7 @@
 namespace rths::report {
 namespace {
 
-using recording::AxisRoles;
 using recording::NodeTicks;
-using recording::Reader;
-using recording::Roles;
 
 constexpr std::size_t kPiece = 20;      // with one delay of a copy [ticks]
 constexpr std::size_t kSmoothing = 10;  // ticks to either side: less noise in the model's velocity
@@ -206,7 +203,7 @@ Evidence gather(const Reader& run, const Config& experiment) {
   for (const auto& node : {roles.machine, roles.controller})
     if (!run.has("monitor." + node + ".host.step")) return evidence;
   const NodeTicks ticks{run, roles.machine};
-  evidence.time = recording::at_each_count(ticks.counter(), run.time());
+  evidence.time = at_each_count(ticks.counter(), run.time());
   evidence.time.resize(std::min(evidence.time.size(), ticks.count()));
   if (evidence.time.size() < 2) return evidence;
   evidence.interval = (evidence.time.back() - evidence.time.front()) /

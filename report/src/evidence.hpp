@@ -12,6 +12,8 @@
 
 namespace rths::report {
 
+using recording::Reader;
+
 /// Reach of the comparison of displacement and acceleration to either side, in model time [s].
 inline constexpr double kMotionSpan = 0.1;
 
@@ -55,7 +57,7 @@ struct Evidence {
 };
 
 /// @returns no axes if the recording has no controller or no machine
-[[nodiscard]] Evidence gather(const recording::Reader& run, const Config& experiment);
+[[nodiscard]] Evidence gather(const Reader& run, const Config& experiment);
 
 /// Windows of this length in model time that overlap by three quarters, away from gaps.
 /// @param length  [s]

@@ -23,7 +23,7 @@ std::string host_of_gateway(const std::string& partition) {
   return partition.starts_with(kGateway) ? partition.substr(std::string{kGateway}.size()) : "";
 }
 
-std::vector<HopAnalysis> analyse_hops(const recording::Reader& run) {
+std::vector<HopAnalysis> analyse_hops(const Reader& run) {
   std::vector<HopAnalysis> hops;
   for (const auto& entry : run.map().signals()) {
     const std::string host = host_of_gateway(entry.partition->name);

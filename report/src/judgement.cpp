@@ -18,8 +18,6 @@
 namespace rths::report {
 namespace {
 
-using recording::Reader;
-
 constexpr double kRounding = 0.5;  // of an integration step
 
 double end_of(const Reader& run) { return run.time().empty() ? 0 : run.time().back(); }
@@ -139,7 +137,7 @@ Break node_limit(const Reader& run, const std::string& node, const Bounds& bound
 Break late_host(const Reader& run, const RecordedLateness& host, const Bounds& bounds) {
   const auto targets = targets_of(run, recording::roles_of(run));
   if (targets.empty() || host.late.values.empty()) return {};
-  const auto start = recording::at_each_count(targets, run.time());
+  const auto start = at_each_count(targets, run.time());
   double late = 0, first = 0;
   for (std::size_t i = 1; i < start.size(); ++i) {
     if (!host.was_late(start[i - 1], start[i])) continue;

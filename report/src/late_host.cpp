@@ -13,8 +13,6 @@
 namespace rths::report {
 namespace {
 
-using recording::Reader;
-
 constexpr double kMemory = 0.5;  // before a trip: longer than the answer of any machine [s]
 
 std::vector<std::string> signals_ending_in(const Reader& run, const std::string& end) {

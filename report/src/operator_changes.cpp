@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMostChanges = 50;  // of a word: more is a stream of data
 
-std::vector<OperatorChange> changes_of(const recording::Reader& run, const std::string& name) {
+std::vector<OperatorChange> changes_of(const Reader& run, const std::string& name) {
   std::vector<OperatorChange> changes;
   const auto values = run.signal(name);
   for (std::size_t i = 1; i < values.size() && changes.size() <= kMostChanges; ++i)
@@ -21,7 +21,7 @@ std::vector<OperatorChange> changes_of(const recording::Reader& run, const std::
 
 }  // namespace
 
-std::vector<OperatorChange> operator_changes(const recording::Reader& run) {
+std::vector<OperatorChange> operator_changes(const Reader& run) {
   std::set<std::string> nodes;
   for (const auto& [node, count] : run.drops()) nodes.insert(node);
   std::vector<OperatorChange> all;

@@ -30,10 +30,10 @@ Json verdict_in(const std::filesystem::path& folder) {
 }  // namespace
 
 std::vector<Broken> judge_run(const std::filesystem::path& folder) {
-  const recording::Reader run{folder / kRunFile};
+  const Reader run{folder / kRunFile};
   for (const char* file : {kImprovedFile, kNumericalFile}) {
     if (!std::filesystem::exists(folder / file)) continue;
-    const recording::Reader reference{folder / file};
+    const Reader reference{folder / file};
     return judge(run, &reference);
   }
   return judge(run);

@@ -14,7 +14,6 @@ namespace {
 
 using controller::SafetyCause;
 using controller::SafetyState;
-using recording::Reader;
 
 std::string prefix_of(const Reader& run) {
   return "monitor." + recording::roles_of(run).machine + ".safety.";

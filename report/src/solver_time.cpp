@@ -13,9 +13,6 @@
 namespace rths::report {
 namespace {
 
-using recording::Reader;
-using recording::Roles;
-
 constexpr double kStepTolerance = 1e-3;   // of an integration step
 constexpr double kTimeRounding = 2.4e-7;  // of two times of type f32 [-]
 constexpr double kRestOfTarget = 5e-5;    // smaller targets are rounding of a static analysis [m]

@@ -29,11 +29,11 @@ struct SolverTime {
   double usual_move = 0;  ///< from move to move [s]; 0: too short for the rows to see each one
   std::size_t start = 0;  ///< the first move from rest; a static analysis may have moves before
 };
-[[nodiscard]] SolverTime solver_time_of(const recording::Reader& run);
+[[nodiscard]] SolverTime solver_time_of(const Reader& run);
 
 /// Model time that the test reached: of the last target, or else the targets times the step.
 /// @param experiment  of the recording   @param is_completed  the run ended in order
-[[nodiscard]] double reached_in(const recording::Reader& run, const SolverTime& solver,
+[[nodiscard]] double reached_in(const Reader& run, const SolverTime& solver,
                                 const Config& experiment, bool is_completed);
 
 /// Each move advances the solver's time by one integration step.
@@ -45,8 +45,8 @@ struct SolverTime {
 [[nodiscard]] Break rate_of(const SolverTime& solver, double rate, double step);
 
 /// The solver's targets are of a size that a specimen can reach, and do not stop abruptly.
-[[nodiscard]] Break targets_limit_of(const recording::Reader& run, const SolverTime& solver);
-[[nodiscard]] Break targets_live_of(const recording::Reader& run, const SolverTime& solver);
+[[nodiscard]] Break targets_limit_of(const Reader& run, const SolverTime& solver);
+[[nodiscard]] Break targets_live_of(const Reader& run, const SolverTime& solver);
 
 /// Wall time over model time of the test; none without moves that advance the time.
 /// @param step  model time of a move, where the solver has recorded no time [s]

@@ -24,16 +24,15 @@ std::vector<std::string> lines(const std::string& text) {
   return result;
 }
 
-SpectraAnalysis analyse_spectra(const recording::Reader& run, const std::string& solver,
-                                double step, const recording::Reader* numerical,
-                                const recording::Reader* improved) {
+SpectraAnalysis analyse_spectra(const Reader& run, const std::string& solver, double step,
+                                const Reader* numerical, const Reader* improved) {
   SpectraAnalysis result;
   result.frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
   const auto spectrum = [&](const std::vector<double>& along, const std::vector<double>& across,
                             double interval) {
     return sim::floor_spectrum(along, across, interval, result.frequencies, kDampingRatio);
   };
-  const auto reference = [&](const recording::Reader& companion, const std::string& name) {
+  const auto reference = [&](const Reader& companion, const std::string& name) {
     return spectrum(companion.signal("result." + name + "long"),
                     companion.signal("result." + name + "lat"),
                     numerical->time()[1] - numerical->time()[0]);
@@ -45,8 +44,8 @@ SpectraAnalysis analyse_spectra(const recording::Reader& run, const std::string&
   const auto steps = run.signal(monitor + ".step");
   for (int floor = 1; run.has(fmt::format("{}.floor.{}.accel.long", monitor, floor)); ++floor) {
     const auto hybrid = [&](const char* axis) {
-      return recording::at_each_count(
-          steps, run.signal(fmt::format("{}.floor.{}.accel.{}", monitor, floor, axis)));
+      return at_each_count(steps,
+                           run.signal(fmt::format("{}.floor.{}.accel.{}", monitor, floor, axis)));
     };
     const auto index = static_cast<std::size_t>(floor - 1);
     FloorSpectra spectra;

@@ -23,7 +23,7 @@ double period_of(const std::vector<double>& time, const std::vector<double>& cou
 
 }  // namespace
 
-Ticks::Ticks(const recording::Reader& run, const recording::Roles& roles) : run_{run} {
+Ticks::Ticks(const Reader& run, const Roles& roles) : run_{run} {
   if (run.has("monitor." + roles.controller + ".host.step")) {
     ticks_.emplace(run, roles.controller);
     interval_ = period_of(run.time(), ticks_->counter(), ticks_->skipped());

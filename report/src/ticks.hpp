@@ -18,14 +18,14 @@ namespace rths::report {
 class Ticks {
  public:
   /// @throws Error if the recording contains no steps of its controller
-  Ticks(const recording::Reader& run, const recording::Roles& roles);
+  Ticks(const Reader& run, const Roles& roles);
   [[nodiscard]] Series series(const std::string& signal) const;
   [[nodiscard]] double interval() const { return interval_; }
 
  private:
   [[nodiscard]] std::vector<double> first_rows(std::vector<double> values) const;
 
-  const recording::Reader& run_;
+  const Reader& run_;
   std::optional<recording::NodeTicks> ticks_;
   std::size_t rows_ = 0;
   double interval_ = 0;

@@ -26,9 +26,8 @@ std::vector<double> without_mean(std::vector<double> values) {
 
 }  // namespace
 
-std::optional<VerticalAnalysis> analyse_vertical(const recording::Reader& run, const Ticks& ticks,
-                                                 const recording::Roles& roles, double rate,
-                                                 double first) {
+std::optional<VerticalAnalysis> analyse_vertical(const Reader& run, const Ticks& ticks,
+                                                 const Roles& roles, double rate, double first) {
   if (!run.has(roles.vertical_command) || !run.has(roles.vertical_measured)) return std::nullopt;
   VerticalAnalysis vertical;
   const auto in_model_time = [&](const std::string& signal) {

@@ -10,9 +10,9 @@ namespace rths::report {
 /// @param rate   wall time over model time
 /// @param first  model time of the first target [s]
 /// @returns nothing if the controller does not control the vertical force
-[[nodiscard]] std::optional<VerticalAnalysis> analyse_vertical(const recording::Reader& run,
+[[nodiscard]] std::optional<VerticalAnalysis> analyse_vertical(const Reader& run,
                                                                const Ticks& ticks,
-                                                               const recording::Roles& roles,
-                                                               double rate, double first);
+                                                               const Roles& roles, double rate,
+                                                               double first);
 
 }  // namespace rths::report
