@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/report/report.hpp>
 
+#include <algorithm>
 #include <fstream>
+#include <string>
 #include <utility>
 
 #include <fmt/format.h>
@@ -9,11 +11,120 @@
 #include <rths/core/replace_files.hpp>
 #include <rths/report/diagnosis.hpp>
 
+#include "assemble.hpp"
 #include "companions.hpp"
-#include "page.hpp"
+#include "embedded.hpp"
+#include "numbers.hpp"
 
 namespace rths::report {
 namespace {
+
+constexpr std::size_t kMostCurvePoints = 4000;  // of a curve: more than a screen can show
+
+std::size_t stride_of(std::size_t count) {
+  return (count + kMostCurvePoints - 1) / kMostCurvePoints;
+}
+
+std::vector<double> thinned(const std::vector<double>& values) {
+  const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
+  std::vector<double> result;
+  for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(values[i]);
+  return result;
+}
+
+// The largest value of each interval, so that thinning keeps a rare late millisecond.
+std::vector<double> peaks(const std::vector<double>& values) {
+  const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
+  std::vector<double> result;
+  for (std::size_t i = 0; i < values.size(); i += stride)
+    result.push_back(*std::max_element(
+        values.begin() + static_cast<std::ptrdiff_t>(i),
+        values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + stride))));
+  return result;
+}
+
+Json series(const Series& s, double scale, bool keep_peaks = false) {
+  const auto stride = static_cast<double>(std::max<std::size_t>(1, stride_of(s.values.size())));
+  return {{"start", s.start},
+          {"interval", s.interval * stride},
+          {"values", packed(keep_peaks ? peaks(s.values) : thinned(s.values), scale)}};
+}
+
+Json axis_data(const AxisAnalysis& axis) {
+  return {{"name", axis.name},
+          {"command_mm", series(axis.command, kMilli)},
+          {"measured_mm", series(axis.measured, kMilli)},
+          {"step_displacement_mm", packed(axis.step_displacement, kMilli)},
+          {"step_force_kN", packed(axis.step_force, kPerKilo)},
+          {"a0", series(axis.a0, 1)},
+          {"a1_ms", series(axis.a1, kMilli)},
+          {"a2_ms2", series(axis.a2, kMilli * kMilli)},
+          {"delay_ms", series(axis.tracking.delay, kMilli)},
+          {"nrms_percent", series(axis.tracking.nrms, 100)}};
+}
+
+Json numerical_data(const NumericalAxis& axis, double interval) {
+  const Series displacement{interval, interval, axis.displacement};
+  return {{"name", axis.name},
+          {"displacement_mm", series(displacement, kMilli)},
+          {"loop_displacement_mm", packed(thinned(axis.displacement), kMilli)},
+          {"loop_force_kN", packed(thinned(axis.force), kPerKilo)}};
+}
+
+Json steps_data(const StepAnalysis& steps) {
+  std::vector<double> start = steps.start;
+  if (!start.empty()) start.pop_back();
+  return {{"start_s", packed(start)},
+          {"predict_ms", packed(steps.predict, kMilli)},
+          {"correct_ms", packed(steps.correct, kMilli)},
+          {"slow_ms", packed(steps.slow, kMilli)}};
+}
+
+Json vertical_data(const std::optional<VerticalAnalysis>& vertical) {
+  if (!vertical) return nullptr;
+  return {{"command_kN", series(vertical->command, kPerKilo)},
+          {"measured_kN", series(vertical->measured, kPerKilo)},
+          {"frequencies_Hz", packed(vertical->coherence.frequency)},
+          {"coherence", packed(vertical->coherence.value)}};
+}
+
+Json page_data(const Analysis& analysis, const Json& numbers) {
+  Json data;
+  data["numbers"] = numbers;
+  data["axes"] = Json::array();
+  for (const auto& axis : analysis.axes) data["axes"].push_back(axis_data(axis));
+  for (const auto& [name, axes] : {std::pair{"numerical", &analysis.companions.numerical},
+                                   std::pair{"improved", &analysis.companions.improved}}) {
+    data[name] = Json::array();
+    for (const auto& axis : *axes)
+      data[name].push_back(numerical_data(axis, analysis.companions.interval));
+  }
+  data["beside"] = Json::array();
+  if (analysis.beside)
+    for (const auto& axis : analysis.beside->axes)
+      data["beside"].push_back(numerical_data(axis, analysis.beside->integration_step));
+  data["vertical"] = vertical_data(analysis.vertical);
+  data["steps"] = steps_data(analysis.steps);
+  data["host_late_ms"] = series(analysis.hosts.late, kMilli, true);
+  data["frequencies_Hz"] = packed(analysis.spectra.frequencies);
+  data["floors"] = Json::array();
+  for (const auto& floor : analysis.spectra.floors) {
+    Json spectra = Json::array();
+    for (const auto& spectrum : floor.spectra)
+      spectra.push_back({{"of", spectrum.of}, {"values", packed(spectrum.values)}});
+    data["floors"].push_back({{"floor", floor.floor}, {"spectra", spectra}});
+  }
+  return data;
+}
+
+// The complete page of a run: style, scripts and data in one self-contained file.
+std::string page_of(const Analysis& analysis, const Json& numbers) {
+  return assemble({web::kReportHtml,
+                   {web::kReportCss, web::kVerdictCss},
+                   {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
+                    web::kSentenceJs, web::kReportJs}},
+                  page_data(analysis, numbers));
+}
 
 // The verdict of a diagnosis in the folder of the run; null if there is none.
 Json verdict_in(const std::filesystem::path& folder) {

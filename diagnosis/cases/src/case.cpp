@@ -12,7 +12,6 @@
 #include "case_history.hpp"
 #include "case_of_run.hpp"
 #include "case_record.hpp"
-#include "case_rest.hpp"
 #include "roles.hpp"
 
 namespace rths::diagnosis {

@@ -7,6 +7,11 @@
 
 namespace rths::diagnosis {
 
+/// Checks the sections that a case states to be without motion: motion would count as noise.
+/// @param tables  [[record]] of each record
+/// @throws Error with the position of `quiet_s`, or of `use` of a reference   @setup
+void refuse_motion_at_rest(const std::vector<Record>& records, const std::vector<Config>& tables);
+
 /// Gives each section that begins where another section of its file ends, or within it, the other's
 /// samples as its past: they drive the model and are not compared. A specimen keeps its damage and
 /// its forces between two sections.

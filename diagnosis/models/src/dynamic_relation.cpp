@@ -11,7 +11,6 @@
 
 #include "dynamic_candidates.hpp"
 #include "dynamic_drive.hpp"
-#include "dynamic_forms.hpp"
 #include "dynamic_simulator.hpp"
 
 namespace rths::diagnosis {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/core/ascii.hpp>
-
-#include "report.hpp"
-
 #include <algorithm>
 
 #include <fmt/format.h>
+
+#include <rths/core/ascii.hpp>
+#include <rths/verdict/verdict.hpp>
+
+#include "report.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -182,6 +183,18 @@ std::string doubt_of(const Verdict& verdict) {
 }
 
 }  // namespace
+
+std::string name_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::Missing:
+      return "missing";
+    case Outcome::None:
+      return "none";
+    case Outcome::Unknown:
+      break;
+  }
+  return "unknown";
+}
 
 std::string sentence_of(const Verdict& verdict) {
   if (verdict.conclusion.outcome == Outcome::None) return none_sentence(verdict);
