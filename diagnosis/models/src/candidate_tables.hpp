@@ -17,7 +17,8 @@ inline constexpr auto kSize = Parameter::Role::Size;
 inline constexpr auto kShape = Parameter::Role::Shape;
 inline constexpr auto kFixed = Parameter::Role::Fixed;
 inline constexpr auto kTypical = Parameter::Role::Typical;
-inline constexpr bool kEachAxis = true, kExact = true, kWaits = true;
+inline constexpr bool kEachAxis = true;
+using enum CandidateTerm::Needs;
 
 inline Parameter size(std::string_view parameter, double start, bool each_axis = false) {
   return {parameter, kSize, {start}, 0, 0, each_axis};
@@ -43,6 +44,34 @@ inline Parameter fixed(std::string_view parameter, double value) {
 
 inline Parameter typical(std::string_view parameter) {
   return {parameter, kTypical, {}, 0, 0, false};
+}
+
+/// A row: a kind under its own name.
+inline CandidateTerm term(std::string_view kind, unsigned places, unsigned needs,
+                          std::vector<Parameter> parameters) {
+  return {kind, "", places, needs, std::move(parameters)};
+}
+inline CandidateTerm term(std::string_view kind, unsigned places,
+                          std::vector<Parameter> parameters) {
+  return term(kind, places, kNothing, std::move(parameters));
+}
+inline CandidateTerm named(std::string_view name, std::string_view title, CandidateTerm row) {
+  row.name = name, row.title = title;
+  return row;
+}
+/// A row with special cases.
+inline CandidateTerm including(std::vector<std::string_view> cases, CandidateTerm row) {
+  row.contains = std::move(cases);
+  return row;
+}
+/// A row that is named only if none of its special cases is acceptable.
+inline CandidateTerm after(std::vector<std::string_view> cases, CandidateTerm row) {
+  row.waits = true;
+  return including(std::move(cases), std::move(row));
+}
+inline CandidateTerm exact(CandidateTerm row) {
+  row.is_exact = true;
+  return row;
 }
 
 // Share of a loss of strength that also softens the bearing before it yields: unknown, so it is
