@@ -15,10 +15,12 @@ struct CompositionSetup {
   Part part = Part::Bearing;
   MotionChannels channels;
   SampleRates pace;
-  std::vector<std::size_t> axes;  ///< predicted: 0 long, 1 lat
   bool has_free_offsets = false;
-  Hypothesis base;
   std::vector<std::string> without;  ///< excluded kinds
+  // NOLINTBEGIN(readability-redundant-member-init): initializers may leave these out
+  std::vector<std::size_t> axes = {};  ///< predicted: 0 long, 1 lat
+  Hypothesis base = {};
+  // NOLINTEND(readability-redundant-member-init)
 };
 
 /// A relation that predicts a measurement from a motion by terms, one after the other. It models

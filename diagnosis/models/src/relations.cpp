@@ -171,6 +171,16 @@ std::vector<std::string> parameters_of(const Case& c) {
   return known;
 }
 
+// Of the axes that have its channels; null: none has.
+std::unique_ptr<Relation> relation_of(const Case& c, CompositionSetup setup) {
+  const auto& predicted = setup.channels.predicted;
+  setup.axes = axes_with(c, {setup.channels.motion, predicted});
+  if (setup.axes.empty()) return nullptr;
+  setup.base = base_of(c, predicted, setup.has_free_offsets);
+  if (predicted == "displacement") allow_half_a_sample(setup.base, moving_records(c)[0]->time_step);
+  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+}
+
 }  // namespace
 
 bool has_actuator(const Case& c) {
@@ -196,51 +206,35 @@ void check_composed_model(const Case& c) {
 
 std::unique_ptr<Relation> accelerometer_relation(const Case& c,
                                                  const std::vector<std::string>& without) {
-  CompositionSetup setup{"displacement to acceleration",
-                         Part::Sensor,
-                         {"displacement", "acceleration", false, false},
-                         kAccelerometerPace,
-                         axes_with(c, {"displacement", "acceleration"}),
-                         true,
-                         {},
-                         without};
-  if (setup.axes.empty()) return nullptr;
-  setup.base = base_of(c, "acceleration", setup.has_free_offsets);
-  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+  return relation_of(c, {.name = "displacement to acceleration",
+                         .part = Part::Sensor,
+                         .channels = {"displacement", "acceleration", false, false},
+                         .pace = kAccelerometerPace,
+                         .has_free_offsets = true,
+                         .without = without});
 }
 
 std::unique_ptr<Relation> actuator_relation(const Case& c,
                                             const std::vector<std::string>& without) {
   if (!has_actuator(c)) return nullptr;
-  CompositionSetup setup{"command to displacement",
-                         Part::Actuator,
-                         {"command", "displacement", false, true},
-                         pace_of(c, kActuatorPace),
-                         axes_with(c, {"command", "displacement"}),
-                         true,
-                         {},
-                         without};
-  if (setup.axes.empty()) return nullptr;
-  setup.base = base_of(c, "displacement", setup.has_free_offsets);
-  allow_half_a_sample(setup.base, moving_records(c)[0]->time_step);
-  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+  return relation_of(c, {.name = "command to displacement",
+                         .part = Part::Actuator,
+                         .channels = {"command", "displacement", false, true},
+                         .pace = pace_of(c, kActuatorPace),
+                         .has_free_offsets = true,
+                         .without = without});
 }
 
 std::unique_ptr<Relation> force_relation(const Case& c, const std::vector<std::string>& without) {
   if (c.model.kind == ModelKind::ServoAxis) return nullptr;
-  CompositionSetup setup{"motion to force",
-                         Part::Bearing,
-                         {"displacement", "force", true, false},
-                         pace_of(c, kForcePace),
-                         axes_with(c, {"displacement", "force"}),
-                         false,
-                         {},
-                         without};
-  if (setup.axes.empty())
-    throw Error{"no axis has both displacement and force, which a model of kind '" +
-                name_of(c.model.kind) + "' needs"};
-  setup.base = base_of(c, "force", setup.has_free_offsets);
-  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+  auto relation = relation_of(c, {.name = "motion to force",
+                                  .part = Part::Bearing,
+                                  .channels = {"displacement", "force", true, false},
+                                  .pace = pace_of(c, kForcePace),
+                                  .without = without});
+  if (relation) return relation;
+  throw Error{"no axis has both displacement and force, which a model of kind '" +
+              name_of(c.model.kind) + "' needs"};
 }
 
 }  // namespace rths::diagnosis
