@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include <rths/core/error.hpp>
 
 namespace rths::controller {

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
 #include <rths/core/error.hpp>
 #include <rths/maths/low_pass.hpp>
 

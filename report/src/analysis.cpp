@@ -4,7 +4,6 @@
 #include "evidence.hpp"
 #include "solver_time.hpp"
 #include "ticks.hpp"
-#include "vertical.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "assemble.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
-
-#include "embedded.hpp"
 
 namespace rths::report {
 namespace {
@@ -55,6 +54,17 @@ Json packed(const std::vector<double>& values, double scale) {
   floats.reserve(values.size());
   for (const double value : values) floats.push_back(static_cast<float>(value * scale));
   return base64(std::as_bytes(std::span{floats}));
+}
+
+std::size_t stride_of(std::size_t count, std::size_t most) {
+  return std::max<std::size_t>(1, (count + most - 1) / most);
+}
+
+std::vector<double> thinned(const std::vector<double>& values, std::size_t most) {
+  const std::size_t stride = stride_of(values.size(), most);
+  std::vector<double> result;
+  for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(values[i]);
+  return result;
 }
 
 std::string assemble(const PageSections& sections, const Json& data) {

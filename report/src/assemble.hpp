@@ -7,6 +7,20 @@
 
 #include "numbers.hpp"
 
+/// Contents of the files of report/web and of the plotting library, embedded when the command is
+/// built.
+namespace rths::report::web {
+
+extern const std::string_view kReportHtml, kReportCss, kReportJs;
+extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs;
+extern const std::string_view kVerdictCss, kSentenceJs;
+extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;
+extern const std::string_view kQuantitiesJs, kChartsJs, kCurtainJs, kVerdictJs, kWhereJs, kProofJs,
+    kBudgetJs;
+extern const std::string_view kUplotJs, kUplotCss;
+
+}  // namespace rths::report::web
+
 namespace rths::report {
 
 /// Files of report/web that make a page: the HTML file, and the files that replace its marks.
@@ -20,5 +34,10 @@ struct PageSections {
 
 /// Numbers as 32-bit floats in base64: precise enough for a picture, and small.
 [[nodiscard]] Json packed(const std::vector<double>& values, double scale = 1);
+
+/// At most `most` of the values, evenly spaced: more than that a screen cannot show.
+[[nodiscard]] std::vector<double> thinned(const std::vector<double>& values, std::size_t most);
+/// Distance of the values that `thinned` keeps.
+[[nodiscard]] std::size_t stride_of(std::size_t count, std::size_t most);
 
 }  // namespace rths::report

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <rths/core/replace_files.hpp>
-#include <rths/report/report.hpp>
 
 #include "instants.hpp"
 #include "result_folder.hpp"

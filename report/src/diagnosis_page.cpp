@@ -8,8 +8,6 @@
 #include <rths/report/diagnosis.hpp>
 
 #include "assemble.hpp"
-#include "embedded.hpp"
-#include "verdict_json.hpp"
 
 namespace rths::report {
 namespace {
@@ -50,12 +48,8 @@ diagnosis::Verdict with_near_times(const diagnosis::Verdict& verdict) {
 // Points of a curve: more than a screen can show. Many curves share the limit of a page.
 constexpr std::size_t kMostTracePoints = 6000, kMostPointsOfAll = 40'000;
 
-// A curve, thinned to at most `most` points.
 Json curve(const std::vector<double>& values, std::size_t most) {
-  const std::size_t stride = std::max<std::size_t>(1, (values.size() + most - 1) / most);
-  std::vector<double> seen;
-  for (std::size_t i = 0; i < values.size(); i += stride) seen.push_back(values[i]);
-  return packed(seen);
+  return packed(thinned(values, most));
 }
 
 Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
@@ -76,18 +70,16 @@ Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
 
 // The response of the test, of its simulation and of the improved simulation.
 Json response_data(const diagnosis::Verdict& verdict) {
-  Json responses = Json::array();
-  for (const auto& axis : verdict.budget.axes) {
+  return each(verdict.budget.axes, [&](const budget::AxisBudget& axis) {
     std::vector<double> time;
     for (std::size_t i = 0; i < axis.measured.size(); ++i)
       time.push_back(static_cast<double>(i + 1) * verdict.budget.integration_step);
-    responses.push_back({{"axis", name_of(axis.axis)},
-                         {"time", curve(time, kMostTracePoints)},
-                         {"measured", curve(axis.measured, kMostTracePoints)},
-                         {"simulated", curve(axis.simulated, kMostTracePoints)},
-                         {"improved", curve(axis.improved, kMostTracePoints)}});
-  }
-  return responses;
+    return Json{{"axis", name_of(axis.axis)},
+                {"time", curve(time, kMostTracePoints)},
+                {"measured", curve(axis.measured, kMostTracePoints)},
+                {"simulated", curve(axis.simulated, kMostTracePoints)},
+                {"improved", curve(axis.improved, kMostTracePoints)}};
+  });
 }
 
 // Those of the first record, of the place of the mismatch, and of the proof.
@@ -108,11 +100,11 @@ std::string verdict_page(const diagnosis::Verdict& given) {
   Json data;
   data["verdict"] = verdict_numbers(verdict);
   data["responses"] = response_data(verdict);
-  data["traces"] = Json::array();
   const auto shown = shown_traces(verdict);
   const std::size_t most =
       std::min(kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, shown.size()));
-  for (const auto* trace : shown) data["traces"].push_back(trace_data(*trace, most));
+  data["traces"] =
+      each(shown, [&](const diagnosis::Trace* trace) { return trace_data(*trace, most); });
   return assemble({web::kDiagnosisHtml,
                    {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
                    {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "embedded.hpp"
+#include "assemble.hpp"
 
 #include <cstddef>
 

@@ -6,10 +6,7 @@
 #include <limits>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include <rths/core/axis.hpp>
-#include <rths/core/error.hpp>
 #include <rths/recording/roles.hpp>
 
 namespace rths::report {

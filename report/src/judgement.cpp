@@ -11,7 +11,6 @@
 #include <rths/recording/foreign_stores.hpp>
 
 #include "analysis.hpp"
-#include "companions.hpp"
 #include "conditions.hpp"
 #include "solver_time.hpp"
 

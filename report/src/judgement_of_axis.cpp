@@ -7,8 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/error.hpp>
-#include <rths/maths/delay.hpp>
 #include <rths/maths/statistics.hpp>
 
 #include "analysis.hpp"

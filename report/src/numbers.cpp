@@ -112,8 +112,7 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
   json["peak_displacement_mm"] = rounded(axis.peak_displacement * kMilli, 2);
   json["peak_shear_kN"] = rounded(axis.peak_shear * kPerKilo, 1);
   json["compensator_ticks_at_a_limit"] = axis.compensator_limited;
-  json["tracking_bands"] = Json::array();
-  for (const auto& band : axis.bands) json["tracking_bands"].push_back(band_numbers(band));
+  json["tracking_bands"] = each(axis.bands, band_numbers);
   add_numerical(json, axis.name, "numerical", analysis.companions.numerical);
   add_numerical(json, axis.name, "improved", analysis.companions.improved);
   return json;
@@ -122,13 +121,11 @@ Json axis_numbers(const AxisAnalysis& axis, const Analysis& analysis) {
 Json vertical_numbers(const std::optional<VerticalAnalysis>& vertical) {
   if (!vertical) return nullptr;
   const auto least = vertical->coherence.least(kLeastCoherent, kMostCoherent);
-  Json json{{"delay_ms", rounded(vertical->delay * kMilli, 2)},
-            {"rms_percent", rounded(vertical->error * kPercent, 3)},
-            {"peak_to_peak_kN", rounded(vertical->span * kPerKilo, 1)},
-            {"coherence_1_to_15_Hz", least ? Json(rounded(*least, 4)) : Json(nullptr)},
-            {"tracking_bands", Json::array()}};
-  for (const auto& band : vertical->bands) json["tracking_bands"].push_back(band_numbers(band));
-  return json;
+  return {{"delay_ms", rounded(vertical->delay * kMilli, 2)},
+          {"rms_percent", rounded(vertical->error * kPercent, 3)},
+          {"peak_to_peak_kN", rounded(vertical->span * kPerKilo, 1)},
+          {"coherence_1_to_15_Hz", least ? Json(rounded(*least, 4)) : Json(nullptr)},
+          {"tracking_bands", each(vertical->bands, band_numbers)}};
 }
 
 Json beside_numbers(const std::optional<Beside>& beside) {
@@ -136,7 +133,7 @@ Json beside_numbers(const std::optional<Beside>& beside) {
   Json json{{"name", beside->name},
             {"folder", beside->folder},
             {"rate", beside->rate},
-            {"ending", beside->ending.empty() ? Json(nullptr) : Json(beside->ending)},
+            {"ending", text_or_null(beside->ending)},
             {"axes", Json::object()}};
   for (const auto& axis : beside->axes) {
     Json& numbers = json["axes"][axis.name] = Json::object();
@@ -185,16 +182,14 @@ std::string hops_summary(const std::vector<HopAnalysis>& hops) {
       slowest->delay_max * kMilli, hops.size());
 }
 
-Json broken_numbers(const std::vector<Broken>& conditions) {
-  Json list = Json::array();
-  for (const auto& broken : conditions)
-    list.push_back({{"condition", broken.condition},
-                    {"time_s", rounded(broken.time, 3)},
-                    {"signal", broken.signal},
-                    {"found", broken.found},
-                    {"expected", broken.expected},
-                    {"text", broken.text()}});
-  return list;
+Json broken_numbers(const Broken& broken) {
+  return {{"condition", broken.condition}, {"time_s", rounded(broken.time, 3)},
+          {"signal", broken.signal},       {"found", broken.found},
+          {"expected", broken.expected},   {"text", broken.text()}};
+}
+
+Json safety_numbers(const SafetyChange& change) {
+  return {{"time_s", rounded(change.time, 3)}, {"state", change.state}, {"text", change.text}};
 }
 
 // Integration steps of the test.
@@ -206,11 +201,8 @@ Json mean_ms(const std::vector<double>& seconds) {
   return seconds.empty() ? Json(nullptr) : Json(rounded(maths::mean(seconds) * kMilli, 4));
 }
 
-Json left_out_numbers(const std::vector<LeftOut>& sections) {
-  Json list = Json::array();
-  for (const auto& left : sections)
-    list.push_back({{"section", left.section}, {"reason", left.reason}});
-  return list;
+Json left_out_numbers(const LeftOut& left) {
+  return {{"section", left.section}, {"reason", left.reason}};
 }
 
 std::string left_out_summary(const std::vector<LeftOut>& sections) {
@@ -320,11 +312,10 @@ Json numbers_of(const Analysis& analysis) {
   json["synthetic"] = analysis.test.synthetic;
   json["processes"] = analysis.hosts.processes;
   json["clock"] = analysis.test.clock;
-  json["real_time"] =
-      analysis.hosts.real_time.empty() ? Json(nullptr) : Json(analysis.hosts.real_time);
+  json["real_time"] = text_or_null(analysis.hosts.real_time);
   json["duration_s"] = rounded(analysis.timing.duration, 6);
   json["planned_duration_s"] = analysis.test.planned_duration;
-  json["ending"] = analysis.test.ending.empty() ? Json(nullptr) : Json(analysis.test.ending);
+  json["ending"] = text_or_null(analysis.test.ending);
   json["control_rate_hz"] = rounded(analysis.timing.control_rate, 3);
   json["integration_step_s"] = analysis.test.integration_step;
   json["rate"] = analysis.test.rate;
@@ -339,8 +330,8 @@ Json numbers_of(const Analysis& analysis) {
   json["steps_excused"] = steps.excused_count;
   json["conclusive"] = is_conclusive(analysis);
   json["stated_bounds"] = Json(analysis.test.stated_bounds);
-  json["broken"] = broken_numbers(analysis.broken);
-  json["left_out"] = left_out_numbers(analysis.left_out);
+  json["broken"] = each(analysis.broken, broken_numbers);
+  json["left_out"] = each(analysis.left_out, left_out_numbers);
   json["predict_ms_mean"] = mean_ms(steps.predict);
   json["correct_ms_mean"] = mean_ms(steps.correct);
   json["slow_down_ms_mean"] = mean_ms(steps.slow);
@@ -353,18 +344,12 @@ Json numbers_of(const Analysis& analysis) {
     json["floors"][floor.floor] = floor_numbers(floor, analysis.spectra.frequencies);
   json["nodes"] = Json::object();
   for (const auto& node : analysis.hosts.nodes) json["nodes"][node.name] = node_numbers(node);
-  json["hops"] = Json::array();
-  for (const auto& hop : analysis.hosts.hops) json["hops"].push_back(hop_numbers(hop));
+  json["hops"] = each(analysis.hosts.hops, hop_numbers);
   json["drops"] = Json::object();
   for (const auto& [node, count] : analysis.hosts.drops) json["drops"][node] = count;
   json["rows_missing"] = analysis.hosts.rows_missing;
-  json["operator_changes"] = Json::array();
-  for (const auto& change : analysis.changes)
-    json["operator_changes"].push_back(change_numbers(change));
-  json["safety"] = Json::array();
-  for (const auto& change : analysis.safety)
-    json["safety"].push_back(
-        {{"time_s", rounded(change.time, 3)}, {"state", change.state}, {"text", change.text}});
+  json["operator_changes"] = each(analysis.changes, change_numbers);
+  json["safety"] = each(analysis.safety, safety_numbers);
   json["spectrum_elevation_m"] = analysis.test.spectrum_elevation;
   json["scope"] = analysis.test.scope;
   json["command"] = analysis.test.command;

@@ -13,7 +13,6 @@
 
 #include "assemble.hpp"
 #include "companions.hpp"
-#include "embedded.hpp"
 #include "numbers.hpp"
 
 namespace rths::report {
@@ -21,20 +20,9 @@ namespace {
 
 constexpr std::size_t kMostCurvePoints = 4000;  // of a curve: more than a screen can show
 
-std::size_t stride_of(std::size_t count) {
-  return (count + kMostCurvePoints - 1) / kMostCurvePoints;
-}
-
-std::vector<double> thinned(const std::vector<double>& values) {
-  const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
-  std::vector<double> result;
-  for (std::size_t i = 0; i < values.size(); i += stride) result.push_back(values[i]);
-  return result;
-}
-
 // The largest value of each interval, so that thinning keeps a rare late millisecond.
 std::vector<double> peaks(const std::vector<double>& values) {
-  const std::size_t stride = std::max<std::size_t>(1, stride_of(values.size()));
+  const std::size_t stride = stride_of(values.size(), kMostCurvePoints);
   std::vector<double> result;
   for (std::size_t i = 0; i < values.size(); i += stride)
     result.push_back(*std::max_element(
@@ -44,10 +32,11 @@ std::vector<double> peaks(const std::vector<double>& values) {
 }
 
 Json series(const Series& s, double scale, bool keep_peaks = false) {
-  const auto stride = static_cast<double>(std::max<std::size_t>(1, stride_of(s.values.size())));
+  const auto stride = static_cast<double>(stride_of(s.values.size(), kMostCurvePoints));
   return {{"start", s.start},
           {"interval", s.interval * stride},
-          {"values", packed(keep_peaks ? peaks(s.values) : thinned(s.values), scale)}};
+          {"values",
+           packed(keep_peaks ? peaks(s.values) : thinned(s.values, kMostCurvePoints), scale)}};
 }
 
 Json axis_data(const AxisAnalysis& axis) {
@@ -67,8 +56,8 @@ Json numerical_data(const NumericalAxis& axis, double interval) {
   const Series displacement{interval, interval, axis.displacement};
   return {{"name", axis.name},
           {"displacement_mm", series(displacement, kMilli)},
-          {"loop_displacement_mm", packed(thinned(axis.displacement), kMilli)},
-          {"loop_force_kN", packed(thinned(axis.force), kPerKilo)}};
+          {"loop_displacement_mm", packed(thinned(axis.displacement, kMostCurvePoints), kMilli)},
+          {"loop_force_kN", packed(thinned(axis.force, kMostCurvePoints), kPerKilo)}};
 }
 
 Json steps_data(const StepAnalysis& steps) {
@@ -88,32 +77,31 @@ Json vertical_data(const std::optional<VerticalAnalysis>& vertical) {
           {"coherence", packed(vertical->coherence.value)}};
 }
 
+Json floor_data(const FloorSpectra& floor) {
+  return {{"floor", floor.floor},
+          {"spectra", each(floor.spectra, [](const FloorSpectrum& spectrum) {
+             return Json{{"of", spectrum.of}, {"values", packed(spectrum.values)}};
+           })}};
+}
+
 Json page_data(const Analysis& analysis, const Json& numbers) {
   Json data;
   data["numbers"] = numbers;
-  data["axes"] = Json::array();
-  for (const auto& axis : analysis.axes) data["axes"].push_back(axis_data(axis));
+  data["axes"] = each(analysis.axes, axis_data);
   for (const auto& [name, axes] : {std::pair{"numerical", &analysis.companions.numerical},
-                                   std::pair{"improved", &analysis.companions.improved}}) {
-    data[name] = Json::array();
-    for (const auto& axis : *axes)
-      data[name].push_back(numerical_data(axis, analysis.companions.interval));
-  }
-  data["beside"] = Json::array();
-  if (analysis.beside)
-    for (const auto& axis : analysis.beside->axes)
-      data["beside"].push_back(numerical_data(axis, analysis.beside->integration_step));
+                                   std::pair{"improved", &analysis.companions.improved}})
+    data[name] = each(*axes, [&](const NumericalAxis& axis) {
+      return numerical_data(axis, analysis.companions.interval);
+    });
+  const auto& beside = analysis.beside;
+  data["beside"] = each(
+      beside ? beside->axes : std::vector<NumericalAxis>{},
+      [&](const NumericalAxis& axis) { return numerical_data(axis, beside->integration_step); });
   data["vertical"] = vertical_data(analysis.vertical);
   data["steps"] = steps_data(analysis.steps);
   data["host_late_ms"] = series(analysis.hosts.late, kMilli, true);
   data["frequencies_Hz"] = packed(analysis.spectra.frequencies);
-  data["floors"] = Json::array();
-  for (const auto& floor : analysis.spectra.floors) {
-    Json spectra = Json::array();
-    for (const auto& spectrum : floor.spectra)
-      spectra.push_back({{"of", spectrum.of}, {"values", packed(spectrum.values)}});
-    data["floors"].push_back({{"floor", floor.floor}, {"spectra", spectra}});
-  }
+  data["floors"] = each(analysis.spectra.floors, floor_data);
   return data;
 }
 

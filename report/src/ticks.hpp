@@ -31,4 +31,13 @@ class Ticks {
   double interval_ = 0;
 };
 
+/// The vertical force of a test.
+/// @param rate   wall time over model time
+/// @param first  model time of the first target [s]
+/// @returns nothing if the controller does not control the vertical force
+[[nodiscard]] std::optional<VerticalAnalysis> analyse_vertical(const Reader& run,
+                                                               const Ticks& ticks,
+                                                               const Roles& roles, double rate,
+                                                               double first);
+
 }  // namespace rths::report

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "verdict_json.hpp"
+#include "numbers.hpp"
 
 #include <cmath>
 #include <string>
@@ -45,16 +45,6 @@ Json time_interval(const std::pair<double, double>& pair) {
 Json interval(const std::pair<double, double>& pair) {
   return Json::array({number(pair.first), number(pair.second)});
 }
-
-// A JSON list of converted items.
-template <class Items, class Make>
-Json each(const Items& items, Make make) {
-  Json list = Json::array();
-  for (const auto& item : items) list.push_back(make(item));
-  return list;
-}
-
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json state_json(const diagnosis::StateCell& cell) {
   return {{"displacement_m", interval(cell.displacement)},

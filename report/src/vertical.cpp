@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "vertical.hpp"
+#include "ticks.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -9,8 +9,6 @@
 #include <rths/models/dynamic_relation.hpp>
 #include <rths/sim/term.hpp>
 
-#include "library.hpp"
-
 namespace rths::diagnosis {
 namespace {
 

@@ -11,7 +11,6 @@
 
 #include <rths/core/contains.hpp>
 #include <rths/experiment_design/proposal.hpp>
-#include <rths/identification/constants.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/identification/relation_findings.hpp>
 #include <rths/maths/statistics.hpp>

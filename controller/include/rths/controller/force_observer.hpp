@@ -3,8 +3,6 @@
 
 #include <span>
 
-#include <Eigen/Core>
-
 #include <rths/controller/filters.hpp>
 #include <rths/core/realtime.hpp>
 
