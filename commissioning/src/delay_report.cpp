@@ -68,8 +68,7 @@ PairTracking track_pair(const recording::Reader& run, const Pair& names,
   pair.target = names.target;
   pair.measured = names.measured;
   pair.whole = track_window(target, measured, data.begin, data.interval, question.search);
-  double largest = 0;
-  for (const double value : target) largest = std::max(largest, std::abs(value));
+  const double largest = maths::largest_magnitude(target);
   const auto length = static_cast<std::size_t>(std::llround(question.window / data.interval));
   // A delay beyond a quarter of a window cannot be found in it.
   const double search = std::min(question.search, 0.2 * question.window);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/controller/force_observer.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -78,12 +77,6 @@ std::vector<double> causal_velocity(std::span<const double> displacement, double
   return velocity;
 }
 
-double largest_magnitude(const std::vector<double>& values) {
-  double largest = 0;
-  for (const double value : values) largest = std::max(largest, std::abs(value));
-  return largest;
-}
-
 MachineForce paper_axis(double mass_kn_per_g, double coulomb_kn, double viscous_kns_per_cm) {
   MachineForce force;
   force.effective_mass = mass_kn_per_g * kKilonewtonPerG;
@@ -129,7 +122,7 @@ ForceIdentification identify_machine_force(std::span<const double> displacement,
   ForceIdentification result;
   result.machine.exponent = exponent;
   const auto velocity = causal_velocity(displacement, period, slope_length);
-  const double slow = kSlowFraction * largest_magnitude(velocity);
+  const double slow = kSlowFraction * maths::largest_magnitude(velocity);
   Features X(static_cast<Eigen::Index>(force.size()), kTerms);
   Eigen::VectorXd y(static_cast<Eigen::Index>(force.size()));
   Eigen::Index rows = 0;

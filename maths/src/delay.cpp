@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 
 namespace rths::maths {
 namespace {
@@ -60,12 +61,6 @@ double best_shift(const std::vector<double>& scores, long search) {
   const double whole = static_cast<double>(index - search);
   if (best == scores.begin() || best == scores.end() - 1) return whole;
   return whole + vertex(*(best - 1), *best, *(best + 1));
-}
-
-double largest_magnitude(std::span<const double> signal) {
-  double largest = 0;
-  for (const double value : signal) largest = std::max(largest, std::abs(value));
-  return largest;
 }
 
 }  // namespace

@@ -113,12 +113,6 @@ void add_model_force(Evidence& evidence, const Reader& run) {
 
 }  // namespace
 
-double largest_magnitude(std::span<const double> values) {
-  double largest = 0;
-  for (const double value : values) largest = std::max(largest, std::abs(value));
-  return largest;
-}
-
 std::vector<TickSpan> windows(const Evidence& evidence, double length) {
   const auto ticks = static_cast<std::size_t>(length * evidence.rate / evidence.interval);
   const auto reach = static_cast<std::size_t>(kMotionSpan * evidence.rate / evidence.interval);

@@ -6,12 +6,14 @@
 #include <string>
 #include <vector>
 
+#include <rths/maths/statistics.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/report/judgement.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::report {
 
+using maths::largest_magnitude;
 using recording::Reader;
 
 /// Reach of the comparison of displacement and acceleration to either side, in model time [s].
@@ -83,7 +85,5 @@ struct Proportion {
 /// 20 ticks the delay of up to `latest` with the smallest difference.
 [[nodiscard]] Proportion fit_copy(const RecordedSignal& reference, const RecordedSignal& response,
                                   const TickSpan& window, std::size_t latest);
-
-[[nodiscard]] double largest_magnitude(std::span<const double> values);
 
 }  // namespace rths::report

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include <rths/maths/statistics.hpp>
 #include <rths/report/diagnosis.hpp>
 
 #include "instants.hpp"
@@ -16,13 +17,7 @@ using diagnosis::Verdict;
 // JSON cannot represent NaN and infinity: they become null.
 Json number(double value, int digits = kDigits) {
   if (!std::isfinite(value)) return nullptr;
-  if (value == 0) return 0.0;
-  const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
-  // Powers of ten are exact up to this one; beyond, rounding would add errors.
-  constexpr int kExact = 22;
-  if (std::abs(decimals) > kExact) return value;
-  const double scale = std::pow(10.0, std::abs(decimals));
-  return decimals >= 0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
+  return value == 0 ? 0.0 : maths::rounded(value, digits);
 }
 
 Json numbers(const std::vector<double>& values, int digits = kDigits) {

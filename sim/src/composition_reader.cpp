@@ -17,14 +17,9 @@ bool is_of_a_specimen(Stage stage) {
   return stage == Stage::Vertical || stage == Stage::Modifier || stage == Stage::Restoring;
 }
 
-struct ChannelName {
-  SensorChannel channel;
-  std::string_view name, unit;
-};
-constexpr ChannelName kChannels[] = {{SensorChannel::Force, "force", "N"},
-                                     {SensorChannel::Displacement, "displacement", "m"},
-                                     {SensorChannel::Acceleration, "acceleration", "m/s2"},
-                                     {SensorChannel::AxialLoad, "axial_load", "N"}};
+// In the order of SensorChannel.
+constexpr ChannelName kChannels[] = {
+    {"force", "N"}, {"displacement", "m"}, {"acceleration", "m/s2"}, {"axial_load", "N"}};
 
 unsigned read_axes(const Config& table, const TermKind& kind) {
   if (!table.has("axes")) return kBothAxes;
@@ -47,15 +42,16 @@ SensorChannel read_channel(const Config& table, const TermKind& kind) {
   if ((kind.traits & kPerChannel) == 0)
     table.fail("channel", fmt::format("'{}' has no selectable channel", kind.name));
   const std::string name = table.text("channel");
-  for (const auto& known : kChannels) {
-    if (known.name != name) continue;
-    if (known.channel == SensorChannel::AxialLoad && (kind.traits & kPerAxis) == 0)
+  for (std::size_t i = 0; i < std::size(kChannels); ++i) {
+    if (kChannels[i].channel != name) continue;
+    const auto channel = static_cast<SensorChannel>(i);
+    if (channel == SensorChannel::AxialLoad && (kind.traits & kPerAxis) == 0)
       table.fail("channel", fmt::format("'{}' acts between the horizontal axes; the axial load has "
                                         "no axes",
                                         kind.name));
-    if (known.channel == SensorChannel::AxialLoad && table.has("axes"))
+    if (channel == SensorChannel::AxialLoad && table.has("axes"))
       table.fail("axes", "axes is set, but the axial load has no axes");
-    return known.channel;
+    return channel;
   }
   table.fail("channel", fmt::format("channel is '{}', expected force, displacement, acceleration "
                                     "or axial_load",
@@ -129,6 +125,10 @@ std::vector<TermSettings> read_term(const std::string& name, const Config& table
 
 }  // namespace
 
+const ChannelName& name_of(SensorChannel channel) {
+  return kChannels[static_cast<std::size_t>(channel)];
+}
+
 std::string_view stage_name(Stage stage) { return kStages[static_cast<std::size_t>(stage)]; }
 
 void check_owner(const TermSettings& term, TermOwner owner) {
@@ -158,9 +158,7 @@ void check_owner(const TermSettings& term, TermOwner owner) {
 
 std::string parameter_key(const Parameter& parameter, SensorChannel channel) {
   std::string unit{parameter.unit};
-  if (unit.starts_with(kChannelUnit))
-    for (const auto& known : kChannels)
-      if (known.channel == channel) unit.replace(0, kChannelUnit.size(), known.unit);
+  if (unit.starts_with(kChannelUnit)) unit.replace(0, kChannelUnit.size(), name_of(channel).unit);
   if (unit == "-") return std::string{parameter.name};
   std::string key = fmt::format("{}_", parameter.name);
   for (const char c : unit) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/text.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "motion_text.hpp"
 
@@ -68,12 +69,6 @@ double scale_factor(const MotionText& text) {
                                     trimmed(text.lines[field.line])));
 }
 
-double largest(const std::vector<double>& values) {
-  double most = 0;
-  for (const double value : values) most = std::max(most, std::abs(value));
-  return most;
-}
-
 }  // namespace
 
 bool has_k_net_header(const MotionText& text) {
@@ -94,7 +89,8 @@ MotionFile read_k_net(const MotionText& text) {
   const double offset = std::accumulate(column.values.begin(), column.values.end(), 0.0) /
                         static_cast<double>(column.values.size());
   for (double& value : column.values) value = scale * (value - offset);
-  const double stated = number_of_field(text, "Max. Acc. (gal)"), peak = largest(column.values);
+  const double stated = number_of_field(text, "Max. Acc. (gal)");
+  const double peak = maths::largest_magnitude(column.values);
   if (std::abs(peak - stated) > kPeakTolerance * stated)
     text.fail(field_of(text, "Max. Acc. (gal)").line,
               fmt::format("the peak is {:g} gal, expected {:g} gal", peak, stated));

@@ -194,15 +194,13 @@ AxisTransfer identify_transfer(const TransferRecord& record) {
   const double delay =
       maths::identify_delay(record.reference, record.displacement, record.period, kLongestDelay)
           .minimum_rms;
-  double strongest = 0;
-  for (const double force : record.force) strongest = std::max(strongest, std::abs(force));
   AxisTransfer start;
   start.gain = 1 / std::clamp(0.7 * delay, 0.002, 1.0);
   start.transport_delay = 0.1 * std::clamp(delay, 0.0, 0.2);
   start.dead_band = 1e-4;
   start.pressure_feedback = 1e-9;
   start.pressure_washout = 0.3;
-  start.supply_force = std::max(1e4, 4 * strongest);
+  start.supply_force = std::max(1e4, 4 * maths::largest_magnitude(record.force));
   start.leakage = 1e-11;
   const auto chosen = samples_of(record, 0), scored = samples_of(record, 1);
   const auto fitted = fit(record, chosen, start);

@@ -8,6 +8,7 @@
 
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "case_raw.hpp"
 
@@ -175,8 +176,7 @@ void refuse_far_motion(const Raw& raw, const Config& channels) {
     const bool is_position =
         channel.role.starts_with("displacement.") || channel.role.starts_with("command.");
     if (!is_position || channel.unit != "m") continue;
-    double most = 0;
-    for (const double value : channel.values) most = std::max(most, std::abs(value));
+    const double most = maths::largest_magnitude(channel.values);
     if (most > kReach)
       fail_at(channels, channel.role,
               fmt::format("{} reaches {:.3g} m in {}, expected at most {} m: check its unit",

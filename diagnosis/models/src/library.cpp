@@ -40,10 +40,7 @@ sim::SensorChannel channel_at(Place place) {
   return place == kOnAccelerometer ? sim::SensorChannel::Acceleration : sim::SensorChannel::Force;
 }
 
-const char* channel_name(Place place) {
-  if (place == kOnActuator) return "displacement";
-  return place == kOnAccelerometer ? "acceleration" : "force";
-}
+const sim::ChannelName& channel_name(Place place) { return sim::name_of(channel_at(place)); }
 
 bool is_on_channel(const TermKind& kind) { return (kind.traits & sim::kPerChannel) != 0; }
 
@@ -84,13 +81,13 @@ class Builder {
     candidate_.kind = kind_.name;
     candidate_.name = entry_.name.empty() ? kind_.name : entry_.name;
     if (is_on_channel(kind_) && needs_channel_in_name(kind_.name))
-      candidate_.name = fmt::format("{}_{}", channel_name(place_), kind_.name);
+      candidate_.name = fmt::format("{}_{}", channel_name(place_).channel, kind_.name);
     candidate_.title = entry_.title.empty() ? kind_.title : entry_.title;
     if (is_on_channel(kind_))
-      candidate_.title = fmt::format("{} ({})", kind_.title, channel_name(place_));
+      candidate_.title = fmt::format("{} ({})", kind_.title, channel_name(place_).channel);
     candidate_.equation = kind_.equation;
     candidate_.part = part_of(kind_);
-    candidate_.channel = channel_name(place_);
+    candidate_.channel = channel_name(place_).channel;
     const auto there = in_model();
     const bool must_be_there = (entry_.needs & CandidateTerm::kKindInModel) != 0;
     if ((entry_.needs & CandidateTerm::kInstead) != 0)
@@ -149,10 +146,7 @@ class Builder {
     const double natural = unit(parameter);
     FreeParameter result{name, std::string{parameter.unit}, parameter.low, parameter.high, 1};
     if (result.unit.starts_with(sim::kChannelUnit))
-      result.unit.replace(0, sim::kChannelUnit.size(),
-                          place_ == kOnActuator        ? "m"
-                          : place_ == kOnAccelerometer ? "m/s2"
-                                                       : "N");
+      result.unit.replace(0, sim::kChannelUnit.size(), channel_name(place_).unit);
     if (specification.low < specification.high) {
       result.low = std::max(result.low, specification.low * natural);
       result.high = std::min(result.high, specification.high * natural);

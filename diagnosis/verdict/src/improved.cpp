@@ -9,6 +9,7 @@
 
 #include <rths/core/axis.hpp>
 #include <rths/core/contains.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/sim/composition.hpp>
 
 namespace rths::diagnosis {
@@ -16,12 +17,8 @@ namespace {
 
 // Numbers as short as their fit is exact.
 double rounded(double value) {
-  constexpr double kDigits = 9;  // significant
-  if (value == 0 || !std::isfinite(value)) return value;
-  const double digits = kDigits - 1 - std::floor(std::log10(std::abs(value)));
-  if (std::abs(digits) > 22) return value;  // beyond, powers of ten are not exact
-  const double scale = std::pow(10.0, std::abs(digits));
-  return digits >= 0 ? std::round(value * scale) / scale : std::round(value / scale) * scale;
+  constexpr int kDigits = 9;
+  return maths::rounded(value, kDigits);
 }
 
 std::string prefix_of(const std::string& parameter) {
@@ -39,20 +36,6 @@ std::string without_axis(const std::string& term) {
 // Whether the name before a parameter means a term: its own name, or that of both axes.
 bool means(const std::string& name, const sim::TermSettings& term) {
   return name == term.name || name == without_axis(term.name);
-}
-
-const char* name_of(sim::SensorChannel channel) {
-  switch (channel) {
-    case sim::SensorChannel::Displacement:
-      return "displacement";
-    case sim::SensorChannel::Acceleration:
-      return "acceleration";
-    case sim::SensorChannel::AxialLoad:
-      return "axial_load";
-    case sim::SensorChannel::Force:
-      break;
-  }
-  return "force";
 }
 
 // The free parameter that sets a parameter of a term; null if none does. A tolerance belongs to the
@@ -141,7 +124,7 @@ std::vector<TermTable> changed_tables(const RelationFindings& found) {
       table.changes.put("axes",
                         std::vector<std::string>{name_of(kHorizontal[term.axes == 1 ? 0 : 1])});
     if (table.is_added && (kind.traits & sim::kPerChannel) != 0)
-      table.changes.put("channel", std::string{name_of(term.channel)});
+      table.changes.put("channel", std::string{name_of(term.channel).channel});
     for (const auto& parameter : kind.parameters) put_parameter(named, parameter, table);
   }
   std::erase_if(tables, [](const TermTable& table) { return table.changes.keys().empty(); });
@@ -278,7 +261,7 @@ void improve_system(const RelationFindings& found, Config& model) {
 
 sim::SensorChannel channel_of(const std::string& role) {
   for (const auto channel : {sim::SensorChannel::Displacement, sim::SensorChannel::Acceleration})
-    if (role.starts_with(name_of(channel))) return channel;
+    if (role.starts_with(name_of(channel).channel)) return channel;
   return role == "vertical_force" ? sim::SensorChannel::AxialLoad : sim::SensorChannel::Force;
 }
 
@@ -302,12 +285,13 @@ Config rounding_of(const Lattice& lattice, sim::SensorChannel channel) {
 void add_rounding(const Lattice& lattice, Config& model) {
   const sim::SensorChannel channel = channel_of(lattice.role);
   // No term changes a temperature.
-  if (!lattice.role.starts_with(channel == sim::SensorChannel::AxialLoad ? "vertical_force"
-                                                                         : name_of(channel)))
+  if (!lattice.role.starts_with(channel == sim::SensorChannel::AxialLoad
+                                    ? std::string_view{"vertical_force"}
+                                    : name_of(channel).channel))
     return;
   Config table = rounding_of(lattice, channel);
   table.put("kind", std::string{"quantisation"});
-  table.put("channel", std::string{name_of(channel)});
+  table.put("channel", std::string{name_of(channel).channel});
   if (const auto dot = lattice.role.find('.'); dot != std::string::npos)
     table.put("axes", std::vector<std::string>{lattice.role.substr(dot + 1)});
   std::string key = lattice.role + ".quantisation";

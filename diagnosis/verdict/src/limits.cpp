@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include <rths/identification/constants.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/models/relations.hpp>
 
 #include "check_records.hpp"
@@ -122,8 +123,7 @@ std::vector<std::string> doubtful_units(const Case& c) {
     for (const auto& channel : record->channels) {
       const std::string family = family_of(channel.role);
       if (channel.unit != "m" || (family != "displacement" && family != "command")) continue;
-      double most = 0;
-      for (const double value : channel.values) most = std::max(most, std::abs(value));
+      const double most = maths::largest_magnitude(channel.values);
       if (most > kFurthest)
         doubts.push_back(fmt::format("{}: {} reaches {:.3g} m. Check its unit in [channels].",
                                      record->name, channel.role, most));

@@ -20,6 +20,12 @@ inline constexpr double kHalfWidth95 = 1.959964;
 [[nodiscard]] double rms(std::span<const double> values);
 [[nodiscard]] double deviation(std::span<const double> values);
 
+[[nodiscard]] double largest_magnitude(std::span<const double> values);  ///< 0 without values
+
+/// The value to this number of significant digits. Beyond 10^±22 it is returned as it is, because
+/// those powers of ten are not exact.
+[[nodiscard]] double rounded(double value, int digits);
+
 /// The value with `rank` others before it in rising order.   @param rank  below the number of
 /// values
 template <class Value>

@@ -82,6 +82,12 @@ class Composition {
   std::size_t states_ = 0;
 };
 
+/// Name and unit of a channel in a configuration: "force" in "N".
+struct ChannelName {
+  std::string_view channel, unit;
+};
+[[nodiscard]] const ChannelName& name_of(SensorChannel channel);
+
 /// "actuator", "motion", …
 [[nodiscard]] std::string_view stage_name(Stage stage);
 
