@@ -2,12 +2,88 @@
 #include <rths/identification/forms.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
+#include <rths/core/error.hpp>
 #include <rths/identification/constants.hpp>
+#include <rths/identification/intervals.hpp>
+#include <rths/identification/scores.hpp>
+#include <rths/identification/screening.hpp>
+#include <rths/maths/statistics.hpp>
 
 #include "form_search.hpp"
 
 namespace rths::diagnosis {
+namespace {
+
+// Holds back values at knots that the motion hardly reaches. Their steps would exceed by far those
+// of all others, so that no step reduced the error. Relative to the effect of all sizes of the
+// form, so that it depends on no unit.
+VectorXd ridge_of(const Problem& problem, const Fold& fold, const Hypothesis& hypothesis) {
+  const auto count = static_cast<Index>(hypothesis.free.size());
+  VectorXd ridge = VectorXd::Zero(count);
+  std::vector<Index> sizes;
+  for (Index i = 0; i < count; ++i)
+    if (hypothesis.free[static_cast<std::size_t>(i)].absent) sizes.push_back(i);
+  VectorXd residual;
+  MatrixXd columns;
+  if (!TestedHypothesis{problem, hypothesis}.evaluate(fold, hypothesis.values, sizes, residual,
+                                                      columns))
+    return ridge;
+  double mean = 0;
+  for (std::size_t k = 0; k < sizes.size(); ++k)
+    mean += std::pow(columns.col(static_cast<Index>(k)).norm() *
+                         hypothesis.free[static_cast<std::size_t>(sizes[k])].scale,
+                     2) /
+            static_cast<double>(sizes.size());
+  for (const Index i : sizes)
+    ridge[i] = std::sqrt(kRidge * mean) / hypothesis.free[static_cast<std::size_t>(i)].scale;
+  return ridge;
+}
+
+std::optional<Fit> fit_of(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold,
+                          int iterations) {
+  try {
+    return TestedHypothesis{problem, hypothesis}.fit(fold, iterations,
+                                                     ridge_of(problem, fold, hypothesis));
+  } catch (const Error&) {  // no prediction
+    return std::nullopt;
+  }
+}
+
+// The model with a free form, fitted to a fold: the best of short fits from several starts goes on.
+std::optional<Hypothesis> with_form(const TestedHypothesis& base, const Screened& screened,
+                                    const Fold& fold) {
+  std::optional<Hypothesis> best;
+  double least = 0;
+  for (std::size_t i = 0; i < std::min(kStartsOfForm, screened.starts.size()); ++i) {
+    Hypothesis tried = extended(base.hypothesis(), *screened.candidate, screened.starts[i]);
+    const auto fit = fit_of(base.problem(), tried, fold, kShortFit);
+    if (!fit || (best && fit->sum_of_squares >= least)) continue;
+    least = fit->sum_of_squares;
+    tried.values = fit->parameters;
+    best = std::move(tried);
+  }
+  if (!best) return std::nullopt;
+  if (const auto fit = fit_of(base.problem(), *best, fold, kLongFit))
+    best->values = fit->parameters;
+  return best;
+}
+
+Description described_by(const FreeForm& form, const Problem& problem, const Fold& fold,
+                         const Hypothesis& fitted, double share) {
+  Description description{form.term.name, share, form.label, form.knots, {}, {}};
+  for (const auto& estimate : estimates_of(fitted, covariance_of(problem, fold, fitted)))
+    for (const auto& free : form.term.frees)
+      if (free.name == estimate.name) {
+        description.y.push_back(estimate.value);
+        description.band.push_back((estimate.high - estimate.low) / 2 / maths::kNormal95);
+      }
+  return description;
+}
+
+}  // namespace
 
 double excess_on(const TestedHypothesis& tested, const Fold& fold) {
   return observations(tested.problem(), fold) * std::max(kLeastExcess, tested.variance(fold) - 1);
@@ -50,6 +126,26 @@ std::vector<Description> describe(const TestedHypothesis& tested, const Folds& f
   std::stable_sort(found.begin(), found.end(),
                    [&](const Description& a, const Description& b) { return worth(a) > worth(b); });
   return found;
+}
+
+void fit_forms(const TestedHypothesis& tested, const Folds& folds,
+               const std::vector<FreeForm>& forms, std::vector<Description>& found) {
+  const Problem& problem = tested.problem();
+  const TestedHypothesis base{problem,
+                              fitted(problem, tested.hypothesis(), folds.first, kShortFit)};
+  const double excess = excess_on(base, folds.second);
+  std::vector<Candidate> terms;
+  for (const auto& form : forms) terms.push_back(form.term);
+  const auto screened = screen(base, folds.first, terms);
+  for (std::size_t i = 0; i < std::min(kFittedForms, screened.size()); ++i) {
+    const FreeForm& form = forms[static_cast<std::size_t>(screened[i].candidate - terms.data())];
+    const auto with = with_form(base, screened[i], folds.first);
+    if (!with) continue;
+    const auto after = TestedHypothesis{problem, *with}.blocks(folds.second);
+    if (after.empty()) continue;  // no prediction
+    const double gain = 2 * (sum(base.blocks(folds.second)) - sum(after));
+    found.push_back(described_by(form, problem, folds.first, *with, gain / excess));
+  }
 }
 
 }  // namespace rths::diagnosis

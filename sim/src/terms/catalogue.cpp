@@ -20,13 +20,12 @@ std::vector<TermKind> joined(const Files&... files) {
 
 // Within a stage, terms act in the order of these files and of the kinds in each.
 std::vector<TermKind> all_kinds() {
-  auto kinds =
-      joined(linear_actuator_kinds(), actuator_limit_kinds(), elastomeric_vertical_kinds(),
-             elastomeric_modifier_kinds(), lead_heating_kinds(), elastomeric_restoring_kinds(),
-             bouc_wen_kinds(), plastic_kinds(), model_form_kinds(), asymmetric_kinds(),
-             controlled_kinds(), sliding_vertical_kinds(), sliding_modifier_kinds(), slider_kinds(),
-             triple_pendulum_kinds(), stop_kinds(), mount_kinds(), spring_kinds(), table_kinds(),
-             friction_kinds(), drag_kinds(), sensor_kinds());
+  auto kinds = joined(
+      linear_actuator_kinds(), actuator_limit_kinds(), elastomeric_vertical_kinds(),
+      elastomeric_modifier_kinds(), lead_heating_kinds(), elastomeric_restoring_kinds(),
+      bouc_wen_kinds(), hysteresis_kinds(), controlled_kinds(), sliding_vertical_kinds(),
+      sliding_modifier_kinds(), slider_kinds(), triple_pendulum_kinds(), stop_kinds(),
+      mount_kinds(), spring_kinds(), table_kinds(), friction_kinds(), drag_kinds(), sensor_kinds());
   std::stable_sort(kinds.begin(), kinds.end(),
                    [](const auto& a, const auto& b) { return a.stage < b.stage; });
   return kinds;
