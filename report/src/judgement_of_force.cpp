@@ -42,6 +42,62 @@ std::vector<double> integral(const std::vector<double>& x, double interval) {
   return result;
 }
 
+// The measured force in a window beside that of the model under the measured motion.
+Break force_in(const TickSpan& window, const AxisEvidence& axis, const Evidence& all,
+               const Bounds& bounds) {
+  const auto& measured = axis.specimen_force.values;
+  const auto& model = axis.model_force;
+  const double largest = axis.largest_force;
+  const Proportion f = fit(part(model, window), part(measured, window));
+  const double offset = maths::mean(part(measured, window)) - maths::mean(part(model, window));
+  const Proportion moved =
+      fit(part(axis.command.values, window), part(axis.displacement.values, window));
+  const bool is_strong = std::max(f.reference, f.response) > kStrong * largest &&
+                         std::max(moved.reference, moved.response) > 2 * bounds.resolution;
+  const auto broken = [&](const std::string& found, const std::string& expected) {
+    return Broken{"force", all.time[window.begin], axis.force.name, found, expected};
+  };
+  if (std::abs(offset) > bounds.force_offset * largest)
+    return broken(fmt::format("an offset of {:.0f} kN from the model", 1e-3 * offset),
+                  fmt::format("at most {:.0f} kN", 1e-3 * bounds.force_offset * largest));
+  if (!is_strong) return {};
+  if (f.correlation < kLeastCorrelation && f.correlation > 0.5)
+    return broken(fmt::format("a correlation of {:.2f} with the force of the model", f.correlation),
+                  fmt::format("at least {:g}", kLeastCorrelation));
+  if (f.correlation < kLeastCorrelation || f.gain > bounds.force_factor ||
+      f.gain < 1 / bounds.force_factor)
+    return broken(proportion(f, "the force of the model"),
+                  fmt::format("between {:.2g} and {:g} times the force of the model",
+                              1 / bounds.force_factor, bounds.force_factor));
+  return {};
+}
+
+// Measured force that stays at its extreme while the force of the model changes.
+Break saturation_of(const AxisEvidence& axis, const Evidence& all, std::size_t end) {
+  const auto& measured = axis.specimen_force.values;
+  for (const double sign : {1.0, -1.0}) {
+    double most = 0;
+    for (std::size_t i = 0; i < end; ++i) most = std::max(most, sign * measured[i]);
+    std::vector<double> model;
+    std::size_t first = end;
+    for (std::size_t i = 0; i < end; ++i)
+      if (sign * measured[i] > kExtreme * most) {
+        first = std::min(first, i);
+        model.push_back(axis.model_force[i]);
+      }
+    if (model.size() < kFewExtremes) continue;
+    const double change = maths::quantile(model, 0.95) - maths::quantile(model, 0.05);
+    if (change > kSaturation * axis.largest_force)
+      return Broken{
+          "force", all.time[first], axis.force.name,
+          fmt::format(
+              "a force that stays at {:.0f} kN while that of the model changes by {:.0f} kN",
+              sign * most * 1e-3, change * 1e-3),
+          fmt::format("at most {:.0f} kN", kSaturation * axis.largest_force * 1e-3)};
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string proportion(const Proportion& f, const std::string& reference) {
@@ -102,66 +158,6 @@ Break motion_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
   }
   return {};
 }
-
-// Measured force that stays at its extreme while the force of the model changes.
-Break saturation_of(const AxisEvidence& axis, const Evidence& all, std::size_t end) {
-  const auto& measured = axis.specimen_force.values;
-  for (const double sign : {1.0, -1.0}) {
-    double most = 0;
-    for (std::size_t i = 0; i < end; ++i) most = std::max(most, sign * measured[i]);
-    std::vector<double> model;
-    std::size_t first = end;
-    for (std::size_t i = 0; i < end; ++i)
-      if (sign * measured[i] > kExtreme * most) {
-        first = std::min(first, i);
-        model.push_back(axis.model_force[i]);
-      }
-    if (model.size() < kFewExtremes) continue;
-    const double change = maths::quantile(model, 0.95) - maths::quantile(model, 0.05);
-    if (change > kSaturation * axis.largest_force)
-      return Broken{
-          "force", all.time[first], axis.force.name,
-          fmt::format(
-              "a force that stays at {:.0f} kN while that of the model changes by {:.0f} kN",
-              sign * most * 1e-3, change * 1e-3),
-          fmt::format("at most {:.0f} kN", kSaturation * axis.largest_force * 1e-3)};
-  }
-  return {};
-}
-
-namespace {
-
-// The measured force in a window beside that of the model under the measured motion.
-Break force_in(const TickSpan& window, const AxisEvidence& axis, const Evidence& all,
-               const Bounds& bounds) {
-  const auto& measured = axis.specimen_force.values;
-  const auto& model = axis.model_force;
-  const double largest = axis.largest_force;
-  const Proportion f = fit(part(model, window), part(measured, window));
-  const double offset = maths::mean(part(measured, window)) - maths::mean(part(model, window));
-  const Proportion moved =
-      fit(part(axis.command.values, window), part(axis.displacement.values, window));
-  const bool is_strong = std::max(f.reference, f.response) > kStrong * largest &&
-                         std::max(moved.reference, moved.response) > 2 * bounds.resolution;
-  const auto broken = [&](const std::string& found, const std::string& expected) {
-    return Broken{"force", all.time[window.begin], axis.force.name, found, expected};
-  };
-  if (std::abs(offset) > bounds.force_offset * largest)
-    return broken(fmt::format("an offset of {:.0f} kN from the model", 1e-3 * offset),
-                  fmt::format("at most {:.0f} kN", 1e-3 * bounds.force_offset * largest));
-  if (!is_strong) return {};
-  if (f.correlation < kLeastCorrelation && f.correlation > 0.5)
-    return broken(fmt::format("a correlation of {:.2f} with the force of the model", f.correlation),
-                  fmt::format("at least {:g}", kLeastCorrelation));
-  if (f.correlation < kLeastCorrelation || f.gain > bounds.force_factor ||
-      f.gain < 1 / bounds.force_factor)
-    return broken(proportion(f, "the force of the model"),
-                  fmt::format("between {:.2g} and {:g} times the force of the model",
-                              1 / bounds.force_factor, bounds.force_factor));
-  return {};
-}
-
-}  // namespace
 
 Break force_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bounds, double until) {
   if (axis.model_force.empty() || !axis.specimen_force.is_recorded()) return {};

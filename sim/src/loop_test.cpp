@@ -54,6 +54,32 @@ int steps_per_cycle(const LoopTest& test) {
 constexpr double kUsualStep = 1e-3;  // [s]
 constexpr double kFewestSteps = 1'000, kMostSteps = 20'000;
 
+// The numbers of the steps behind `first`, to `last`.
+CycleNumbers numbers_of_cycle(const LoopHistory& history, std::size_t first, std::size_t last) {
+  const auto& u = history.displacement_long;
+  const auto& v = history.displacement_lat;
+  const auto& f = history.force_long;
+  const auto& g = history.force_lat;
+  CycleNumbers cycle;
+  std::size_t highest = first, lowest = first;
+  double crossings = 0, sum = 0;
+  for (std::size_t i = first + 1; i <= last; ++i) {
+    cycle.peak_force = std::max(cycle.peak_force, std::abs(f[i]));
+    cycle.energy +=
+        0.5 * (f[i] + f[i - 1]) * (u[i] - u[i - 1]) + 0.5 * (g[i] + g[i - 1]) * (v[i] - v[i - 1]);
+    if (u[i] > u[highest]) highest = i;
+    if (u[i] < u[lowest]) lowest = i;
+    if ((u[i] > 0) == (u[i - 1] > 0)) continue;
+    const double fraction = u[i - 1] / (u[i - 1] - u[i]);
+    sum += std::abs(f[i - 1] + fraction * (f[i] - f[i - 1]));
+    ++crossings;
+  }
+  if (crossings > 0) cycle.strength = sum / crossings;
+  if (u[highest] > u[lowest])
+    cycle.effective_stiffness = (f[highest] - f[lowest]) / (u[highest] - u[lowest]);
+  return cycle;
+}
+
 }  // namespace
 
 double time_step_of(double frequency) {
@@ -86,36 +112,6 @@ LoopHistory run_loop_test(const Bearing& bearing, const LoopTest& test) {
   }
   return history;
 }
-
-namespace {
-
-// The numbers of the steps behind `first`, to `last`.
-CycleNumbers numbers_of_cycle(const LoopHistory& history, std::size_t first, std::size_t last) {
-  const auto& u = history.displacement_long;
-  const auto& v = history.displacement_lat;
-  const auto& f = history.force_long;
-  const auto& g = history.force_lat;
-  CycleNumbers cycle;
-  std::size_t highest = first, lowest = first;
-  double crossings = 0, sum = 0;
-  for (std::size_t i = first + 1; i <= last; ++i) {
-    cycle.peak_force = std::max(cycle.peak_force, std::abs(f[i]));
-    cycle.energy +=
-        0.5 * (f[i] + f[i - 1]) * (u[i] - u[i - 1]) + 0.5 * (g[i] + g[i - 1]) * (v[i] - v[i - 1]);
-    if (u[i] > u[highest]) highest = i;
-    if (u[i] < u[lowest]) lowest = i;
-    if ((u[i] > 0) == (u[i - 1] > 0)) continue;
-    const double fraction = u[i - 1] / (u[i - 1] - u[i]);
-    sum += std::abs(f[i - 1] + fraction * (f[i] - f[i - 1]));
-    ++crossings;
-  }
-  if (crossings > 0) cycle.strength = sum / crossings;
-  if (u[highest] > u[lowest])
-    cycle.effective_stiffness = (f[highest] - f[lowest]) / (u[highest] - u[lowest]);
-  return cycle;
-}
-
-}  // namespace
 
 std::vector<CycleNumbers> cycle_numbers(const LoopHistory& history, const LoopTest& test) {
   std::vector<CycleNumbers> cycles;

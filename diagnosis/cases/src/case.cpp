@@ -92,22 +92,6 @@ void name(std::vector<Record>& records, const std::vector<Config>& tables) {
   }
 }
 
-}  // namespace
-
-Model read_model(const Config& table) {
-  // Their squares and ratios are finite.
-  constexpr double kSmallest = 1e-100, kLargest = 1e100;
-  table.limit_sizes(kSmallest, kLargest);
-  const std::string kind = table.text("kind", "data");
-  const auto known = model_kind(kind);
-  if (!known)
-    table.fail("kind",
-               fmt::format("there is no model of kind '{}', expected {}", kind, model_kinds()));
-  return {*known, table, read_fitted(table)};
-}
-
-namespace {
-
 // The displacement of a user's own system may be anything.
 bool is_of_machine(const Config& file) {
   const auto kind = model_kind(file.table_or_empty("model").text("kind", "data"));
@@ -173,6 +157,18 @@ Case case_of_file(const std::filesystem::path& path) {
 }
 
 }  // namespace
+
+Model read_model(const Config& table) {
+  // Their squares and ratios are finite.
+  constexpr double kSmallest = 1e-100, kLargest = 1e100;
+  table.limit_sizes(kSmallest, kLargest);
+  const std::string kind = table.text("kind", "data");
+  const auto known = model_kind(kind);
+  if (!known)
+    table.fail("kind",
+               fmt::format("there is no model of kind '{}', expected {}", kind, model_kinds()));
+  return {*known, table, read_fitted(table)};
+}
 
 std::vector<const Record*> moving_records(const Case& c) {
   std::vector<const Record*> records;

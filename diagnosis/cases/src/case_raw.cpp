@@ -83,6 +83,20 @@ void cut(std::vector<T>& values, std::ptrdiff_t from, std::ptrdiff_t to) {
   values = {values.begin() + from, values.begin() + to};
 }
 
+// The resampled samples before and behind each gap in the old ones.
+std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const std::vector<double>& time,
+                                                         double rate, std::size_t count) {
+  const double shortest = (1 + 1e-6) * double{kBridged} * median_step(time);
+  std::vector<std::pair<std::size_t, std::size_t>> gaps;
+  for (std::size_t i = 1; i < time.size(); ++i) {
+    if (time[i] - time[i - 1] <= shortest) continue;
+    const auto last = static_cast<std::size_t>((time[i - 1] - time.front()) * rate);
+    const auto next = static_cast<std::size_t>(std::ceil((time[i] - time.front()) * rate));
+    gaps.emplace_back(last, std::min(next, count - 1));
+  }
+  return gaps;
+}
+
 }  // namespace
 
 Raw read_raw(const Config& channels, Files& files, const std::string& file) {
@@ -124,24 +138,6 @@ void require_increase(const Raw& raw, std::size_t row) {
 }
 
 double median_step(const std::vector<double>& time) { return maths::median(maths::steps_of(time)); }
-
-namespace {
-
-// The resampled samples before and behind each gap in the old ones.
-std::vector<std::pair<std::size_t, std::size_t>> gaps_of(const std::vector<double>& time,
-                                                         double rate, std::size_t count) {
-  const double shortest = (1 + 1e-6) * double{kBridged} * median_step(time);
-  std::vector<std::pair<std::size_t, std::size_t>> gaps;
-  for (std::size_t i = 1; i < time.size(); ++i) {
-    if (time[i] - time[i - 1] <= shortest) continue;
-    const auto last = static_cast<std::size_t>((time[i - 1] - time.front()) * rate);
-    const auto next = static_cast<std::size_t>(std::ceil((time[i] - time.front()) * rate));
-    gaps.emplace_back(last, std::min(next, count - 1));
-  }
-  return gaps;
-}
-
-}  // namespace
 
 void resample(Raw& raw, double rate) {
   const auto old = raw.time;

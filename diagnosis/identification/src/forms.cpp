@@ -83,14 +83,6 @@ Description described_by(const FreeForm& form, const Problem& problem, const Fol
   return description;
 }
 
-}  // namespace
-
-double excess_on(const TestedHypothesis& tested, const Fold& fold) {
-  return observations(tested.problem(), fold) * std::max(kLeastExcess, tested.variance(fold) - 1);
-}
-
-namespace {
-
 bool share_a_record(const Folds& folds) {
   const auto& first = folds.first.shares;
   return std::any_of(first.begin(), first.end(), [&](const Fold::Share& one) {
@@ -101,6 +93,10 @@ bool share_a_record(const Folds& folds) {
 }
 
 }  // namespace
+
+double excess_on(const TestedHypothesis& tested, const Fold& fold) {
+  return observations(tested.problem(), fold) * std::max(kLeastExcess, tested.variance(fold) - 1);
+}
 
 std::vector<Description> describe(const TestedHypothesis& tested, const Folds& folds) {
   std::vector<Description> found;

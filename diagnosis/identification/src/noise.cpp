@@ -174,6 +174,18 @@ std::map<std::string, NoiseSpectrum> spectra_of(const std::vector<const Record*>
   return by_role;
 }
 
+// Standard deviation of each output. A constant output, of an axis at rest, has the largest of all.
+VectorXd sizes_of(const MatrixXd& measured) {
+  const VectorXd mean = measured.colwise().mean();
+  VectorXd sizes(measured.cols());
+  for (Index output = 0; output < measured.cols(); ++output)
+    sizes[output] = std::sqrt((measured.col(output).array() - mean[output]).square().mean());
+  const double largest = sizes.maxCoeff();
+  for (Index output = 0; output < measured.cols(); ++output)
+    if (sizes[output] <= kFilterRoundOff * std::abs(mean[output])) sizes[output] = largest;
+  return sizes;
+}
+
 }  // namespace
 
 SensorNoise::SensorNoise(const std::vector<const Record*>& records,
@@ -295,22 +307,6 @@ VectorXd VaryingNoise::whitened(const VectorXd& noise) const {
   }
   return white;
 }
-
-namespace {
-
-// Standard deviation of each output. A constant output, of an axis at rest, has the largest of all.
-VectorXd sizes_of(const MatrixXd& measured) {
-  const VectorXd mean = measured.colwise().mean();
-  VectorXd sizes(measured.cols());
-  for (Index output = 0; output < measured.cols(); ++output)
-    sizes[output] = std::sqrt((measured.col(output).array() - mean[output]).square().mean());
-  const double largest = sizes.maxCoeff();
-  for (Index output = 0; output < measured.cols(); ++output)
-    if (sizes[output] <= kFilterRoundOff * std::abs(mean[output])) sizes[output] = largest;
-  return sizes;
-}
-
-}  // namespace
 
 ResidualNoise::ResidualNoise(const std::vector<MatrixXd>& draws, const Drive& drive,
                              bool has_colour)

@@ -39,6 +39,31 @@ void append_ridge(const VectorXd& ridge, const VectorXd& change, VectorXd& resid
   jacobian.bottomRows(ridge.size()) = ridge.asDiagonal();
 }
 
+// ½ Σ w² of every block of a fold's rows.
+std::vector<double> block_sums(const Problem& problem, const Fold& fold, const VectorXd& residual) {
+  std::vector<double> sums;
+  Index first = 0;
+  for (const auto& share : fold.shares) {
+    const Drive& drive = problem.drive(share.record);
+    const Index rows = drive.rows(), outputs = drive.measured.cols();
+    const double length = static_cast<double>(rows) * drive.time_step;
+    // Short records are divided into some tens of blocks, for resampling.
+    const double least = 8 * drive.time_step;
+    const double seconds = std::clamp(length / 30, least, std::max(least, kScoreBlock));
+    const auto size = std::max<Index>(1, static_cast<Index>(seconds / drive.time_step));
+    for (Index row = 0; row < rows; row += size) {
+      const Index count = std::min(size, rows - row);
+      if (share.weight.size() > 0 && !(share.weight.segment(row, count) > 0).any()) continue;
+      double sum = 0;
+      for (Index output = 0; output < outputs; ++output)
+        sum += residual.segment(first + output * rows + row, count).squaredNorm();
+      sums.push_back(sum / 2);
+    }
+    first += rows * outputs;
+  }
+  return sums;
+}
+
 }  // namespace
 
 Problem::Problem(const Relation& relation, const std::vector<const Record*>& records,
@@ -253,35 +278,6 @@ Fit TestedHypothesis::fit(const Fold& fold, int most_iterations, const VectorXd&
   problem_->progress().count();
   return fit;
 }
-
-namespace {
-
-// ½ Σ w² of every block of a fold's rows.
-std::vector<double> block_sums(const Problem& problem, const Fold& fold, const VectorXd& residual) {
-  std::vector<double> sums;
-  Index first = 0;
-  for (const auto& share : fold.shares) {
-    const Drive& drive = problem.drive(share.record);
-    const Index rows = drive.rows(), outputs = drive.measured.cols();
-    const double length = static_cast<double>(rows) * drive.time_step;
-    // Short records are divided into some tens of blocks, for resampling.
-    const double least = 8 * drive.time_step;
-    const double seconds = std::clamp(length / 30, least, std::max(least, kScoreBlock));
-    const auto size = std::max<Index>(1, static_cast<Index>(seconds / drive.time_step));
-    for (Index row = 0; row < rows; row += size) {
-      const Index count = std::min(size, rows - row);
-      if (share.weight.size() > 0 && !(share.weight.segment(row, count) > 0).any()) continue;
-      double sum = 0;
-      for (Index output = 0; output < outputs; ++output)
-        sum += residual.segment(first + output * rows + row, count).squaredNorm();
-      sums.push_back(sum / 2);
-    }
-    first += rows * outputs;
-  }
-  return sums;
-}
-
-}  // namespace
 
 std::vector<double> TestedHypothesis::blocks(const Fold& fold) const {
   VectorXd residual;

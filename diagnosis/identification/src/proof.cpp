@@ -16,6 +16,21 @@ ArrayXd energy_about_mean(const Drive& drive, const MatrixXd& signal) {
   return energy_of(drive.compared_rows(signal), true);
 }
 
+RecordScore score_of(const TestedHypothesis& before, const TestedHypothesis& after,
+                     const Zeros& zeros, std::size_t record) {
+  const Problem& problem = after.problem();
+  const Fold fold = compared(problem, {record});
+  RecordScore score;
+  score.record = problem.record(record).name;
+  score.nrmse_before = nrmse(before, record, zeros);
+  score.nrmse_after = nrmse(after, record, zeros);
+  score.nrmse_stated = nrmse({problem, problem.relation().base()}, record, zeros);
+  score.noise_floor = nrmse_of_noise(problem, record);
+  score.variance_before = before.variance(fold);
+  score.variance_after = after.variance(fold);
+  return score;
+}
+
 }  // namespace
 
 Zeros zeros_of(const TestedHypothesis& named) {
@@ -50,25 +65,6 @@ double nrmse_of_noise(const Problem& problem, std::size_t record) {
     noise += energy_about_mean(drive, draw) / static_cast<double>(draws.size());
   return relative_size(problem.relation(), noise, energy_about_mean(drive, drive.measured));
 }
-
-namespace {
-
-RecordScore score_of(const TestedHypothesis& before, const TestedHypothesis& after,
-                     const Zeros& zeros, std::size_t record) {
-  const Problem& problem = after.problem();
-  const Fold fold = compared(problem, {record});
-  RecordScore score;
-  score.record = problem.record(record).name;
-  score.nrmse_before = nrmse(before, record, zeros);
-  score.nrmse_after = nrmse(after, record, zeros);
-  score.nrmse_stated = nrmse({problem, problem.relation().base()}, record, zeros);
-  score.noise_floor = nrmse_of_noise(problem, record);
-  score.variance_before = before.variance(fold);
-  score.variance_after = after.variance(fold);
-  return score;
-}
-
-}  // namespace
 
 std::vector<RecordScore> scores_of(const Problem& problem, const Selection& selection,
                                    bool is_proof) {

@@ -34,32 +34,6 @@ double gain_of(MatrixXd columns, const Complement& complement, const VectorXd& r
   return 0.5 * (residual.squaredNorm() - (residual - unit * weights).squaredNorm());
 }
 
-}  // namespace
-
-Complement::Complement(const MatrixXd& columns) {
-  if (columns.cols() == 0) return;
-  MatrixXd scaled = columns;
-  for (Index i = 0; i < scaled.cols(); ++i) {
-    const double length = scaled.col(i).norm();
-    if (length > 0) scaled.col(i) /= length;
-  }
-  // By the small Gram matrix, because the columns are long and few.
-  const maths::Modes eigen = maths::symmetric_modes(scaled.transpose() * scaled);
-  const VectorXd& values = eigen.values;
-  const double least = kRankCut * values[values.size() - 1];
-  std::vector<Index> used;
-  for (Index i = 0; i < values.size(); ++i)
-    if (values[i] > least) used.push_back(i);
-  basis_ = scaled * eigen.vectors(Eigen::all, used) *
-           values(used).cwiseSqrt().cwiseInverse().asDiagonal();
-}
-
-void Complement::take_out(Eigen::Ref<VectorXd> x) const {
-  if (basis_.cols() > 0) x -= basis_ * (basis_.transpose() * x);
-}
-
-namespace {
-
 // Residual of the base on a fold, and the part of it that the fitted parameters cannot reproduce.
 struct BaseResidual {
   const TestedHypothesis& base;
@@ -102,6 +76,28 @@ void sort_by_gain(std::vector<Screened>& candidates) {
 }
 
 }  // namespace
+
+Complement::Complement(const MatrixXd& columns) {
+  if (columns.cols() == 0) return;
+  MatrixXd scaled = columns;
+  for (Index i = 0; i < scaled.cols(); ++i) {
+    const double length = scaled.col(i).norm();
+    if (length > 0) scaled.col(i) /= length;
+  }
+  // By the small Gram matrix, because the columns are long and few.
+  const maths::Modes eigen = maths::symmetric_modes(scaled.transpose() * scaled);
+  const VectorXd& values = eigen.values;
+  const double least = kRankCut * values[values.size() - 1];
+  std::vector<Index> used;
+  for (Index i = 0; i < values.size(); ++i)
+    if (values[i] > least) used.push_back(i);
+  basis_ = scaled * eigen.vectors(Eigen::all, used) *
+           values(used).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+void Complement::take_out(Eigen::Ref<VectorXd> x) const {
+  if (basis_.cols() > 0) x -= basis_ * (basis_.transpose() * x);
+}
 
 std::vector<Screened> screen(const TestedHypothesis& given, const Fold& fold,
                              const std::vector<Candidate>& candidates) {

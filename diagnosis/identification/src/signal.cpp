@@ -53,6 +53,90 @@ void run_together(const maths::LowPass& filter, Together& x) {
     for (std::size_t i = 0; i < kTogether; ++i) samples[i] += level[i];
 }
 
+// Displacement and velocity at one end of a motion.
+struct End {
+  double u, v;
+};
+
+// From samples that are given from the end on: a line is fitted to the displacement less the double
+// integral of the acceleration.
+// @param time_step  negative if the samples run against time
+End end_of(const VectorXd& displacement, const VectorXd& acceleration, double time_step) {
+  const Index n = displacement.size();
+  const VectorXd time = VectorXd::LinSpaced(n, 0, time_step * static_cast<double>(n - 1));
+  VectorXd line = displacement;
+  double velocity = 0, integral = 0;
+  for (Index i = 1; i < n; ++i) {
+    const double mean = 0.5 * (acceleration[i - 1] + acceleration[i]);
+    integral += time_step * (velocity + 0.5 * time_step * mean);
+    velocity += time_step * mean;
+    line[i] -= integral;
+  }
+  const VectorXd about = time.array() - time.mean();
+  const double slope = about.dot(line) / about.squaredNorm();
+  return {line.mean() - slope * time.mean(), slope};
+}
+
+// The cubic that leads from one end to another in a duration.
+class Bridge {
+ public:
+  Bridge(const End& from, const End& to, double duration)
+      : from_{from},
+        square_{(3 * (to.u - from.u) / duration - 2 * from.v - to.v) / duration},
+        cube_{(from.v + to.v - 2 * (to.u - from.u) / duration) / (duration * duration)} {}
+  [[nodiscard]] double displacement(double t) const {
+    return from_.u + t * (from_.v + t * (square_ + t * cube_));
+  }
+  [[nodiscard]] double acceleration(double t) const { return 2 * square_ + 6 * t * cube_; }
+
+ private:
+  End from_;
+  double square_, cube_;
+};
+
+// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors. The
+// backward error of a sample is stored with the oldest sample that it predicts from.
+double reflection_of(const std::vector<VectorXd>& forward, const std::vector<VectorXd>& backward,
+                     int k, double least) {
+  double product = 0, square = 0;
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const Index n = forward[i].size() - k - 1;
+    if (n <= 0) continue;
+    const auto f = forward[i].tail(n);
+    const auto b = backward[i].head(n);
+    product += 2 * f.dot(b);
+    square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
+  }
+  return square > 0 ? product / square : 0;
+}
+
+constexpr Index kStretch = 256;
+using Stretch = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kStretch, 1>;
+
+// Prediction errors of the next order.
+void reflect(std::vector<VectorXd>& forward, std::vector<VectorXd>& backward, int k,
+             double reflection) {
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const Index n = forward[i].size() - k - 1;
+    // In stretches that stay in the cache.
+    for (Index first = 0; first < n; first += kStretch) {
+      const Index size = std::min(kStretch, n - first);
+      auto f = forward[i].segment(k + 1 + first, size);
+      auto b = backward[i].segment(first, size);
+      const Stretch before = f;
+      f -= reflection * b;
+      b -= reflection * before;
+    }
+  }
+}
+
+// Sum of the spectral densities of signals.
+VectorXd density_of(const std::vector<VectorXd>& signals, int window, double time_step) {
+  VectorXd sum = VectorXd::Zero(window / 2 + 1);
+  for (const auto& signal : signals) sum += power_spectrum(signal, window, time_step).density;
+  return sum;
+}
+
 }  // namespace
 
 VectorXd low_passed(const VectorXd& signal, int order, double cutoff, double time_step) {
@@ -126,51 +210,6 @@ VectorXd second_rate_of(const VectorXd& x, double time_step) {
   return rate;
 }
 
-namespace {
-
-// Displacement and velocity at one end of a motion.
-struct End {
-  double u, v;
-};
-
-// From samples that are given from the end on: a line is fitted to the displacement less the double
-// integral of the acceleration.
-// @param time_step  negative if the samples run against time
-End end_of(const VectorXd& displacement, const VectorXd& acceleration, double time_step) {
-  const Index n = displacement.size();
-  const VectorXd time = VectorXd::LinSpaced(n, 0, time_step * static_cast<double>(n - 1));
-  VectorXd line = displacement;
-  double velocity = 0, integral = 0;
-  for (Index i = 1; i < n; ++i) {
-    const double mean = 0.5 * (acceleration[i - 1] + acceleration[i]);
-    integral += time_step * (velocity + 0.5 * time_step * mean);
-    velocity += time_step * mean;
-    line[i] -= integral;
-  }
-  const VectorXd about = time.array() - time.mean();
-  const double slope = about.dot(line) / about.squaredNorm();
-  return {line.mean() - slope * time.mean(), slope};
-}
-
-// The cubic that leads from one end to another in a duration.
-class Bridge {
- public:
-  Bridge(const End& from, const End& to, double duration)
-      : from_{from},
-        square_{(3 * (to.u - from.u) / duration - 2 * from.v - to.v) / duration},
-        cube_{(from.v + to.v - 2 * (to.u - from.u) / duration) / (duration * duration)} {}
-  [[nodiscard]] double displacement(double t) const {
-    return from_.u + t * (from_.v + t * (square_ + t * cube_));
-  }
-  [[nodiscard]] double acceleration(double t) const { return 2 * square_ + 6 * t * cube_; }
-
- private:
-  End from_;
-  double square_, cube_;
-};
-
-}  // namespace
-
 VectorXd fused(const VectorXd& displacement, const VectorXd& acceleration, double crossover,
                double time_step) {
   const Index n = displacement.size();
@@ -230,46 +269,6 @@ VectorXd AutoRegression::coloured(const VectorXd& innovations) const {
   return x;
 }
 
-namespace {
-
-// Burg's reflection coefficient of order k + 1, from forward and backward prediction errors. The
-// backward error of a sample is stored with the oldest sample that it predicts from.
-double reflection_of(const std::vector<VectorXd>& forward, const std::vector<VectorXd>& backward,
-                     int k, double least) {
-  double product = 0, square = 0;
-  for (std::size_t i = 0; i < forward.size(); ++i) {
-    const Index n = forward[i].size() - k - 1;
-    if (n <= 0) continue;
-    const auto f = forward[i].tail(n);
-    const auto b = backward[i].head(n);
-    product += 2 * f.dot(b);
-    square += f.squaredNorm() + b.squaredNorm() + 2 * least * static_cast<double>(n);
-  }
-  return square > 0 ? product / square : 0;
-}
-
-constexpr Index kStretch = 256;
-using Stretch = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kStretch, 1>;
-
-// Prediction errors of the next order.
-void reflect(std::vector<VectorXd>& forward, std::vector<VectorXd>& backward, int k,
-             double reflection) {
-  for (std::size_t i = 0; i < forward.size(); ++i) {
-    const Index n = forward[i].size() - k - 1;
-    // In stretches that stay in the cache.
-    for (Index first = 0; first < n; first += kStretch) {
-      const Index size = std::min(kStretch, n - first);
-      auto f = forward[i].segment(k + 1 + first, size);
-      auto b = backward[i].segment(first, size);
-      const Stretch before = f;
-      f -= reflection * b;
-      b -= reflection * before;
-    }
-  }
-}
-
-}  // namespace
-
 AutoRegression auto_regression(const std::vector<VectorXd>& stretches, int order, double ridge) {
   std::vector<VectorXd> forward, backward;
   double variance = 0;
@@ -314,17 +313,6 @@ Spectrum power_spectrum(const VectorXd& signal, int window, double time_step) {
   spectrum.density[bins - 1] /= 2;
   return spectrum;
 }
-
-namespace {
-
-// Sum of the spectral densities of signals.
-VectorXd density_of(const std::vector<VectorXd>& signals, int window, double time_step) {
-  VectorXd sum = VectorXd::Zero(window / 2 + 1);
-  for (const auto& signal : signals) sum += power_spectrum(signal, window, time_step).density;
-  return sum;
-}
-
-}  // namespace
 
 double noise_begins(const std::vector<VectorXd>& signals, const std::vector<VectorXd>& at_rest,
                     double time_step) {

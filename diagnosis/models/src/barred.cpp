@@ -9,6 +9,8 @@
 #include <rths/models/dynamic_relation.hpp>
 #include <rths/sim/term.hpp>
 
+#include "candidate_terms.hpp"
+
 namespace rths::diagnosis {
 namespace {
 

@@ -72,28 +72,6 @@ constexpr auto dual_members() {
       &StepMatrices<Dual>::damping,  &StepMatrices<Dual>::yield, &StepMatrices<Dual>::yield_rate};
 }
 
-}  // namespace
-
-template <class Real>
-SmallMatrix<Real>::SmallMatrix(const MatrixXd& values)
-    : rows{values.rows()}, columns{values.cols()} {
-  for (Index i = 0; i < rows; ++i)
-    for (Index j = 0; j < columns; ++j) entries.push_back(Real{values(i, j)});
-  find_filled();
-}
-
-template <class Real>
-void SmallMatrix<Real>::find_filled() {
-  filled.clear();
-  for (Index i = 0; i < rows; ++i)
-    for (Index j = 0; j < columns; ++j)
-      if (!sim::is_just((*this)(i, j), 0)) filled.push_back({i, j});
-}
-template struct SmallMatrix<double>;
-template struct SmallMatrix<sim::Dual>;
-
-namespace {
-
 // Effect on the state of an input within a step: constant, and growing as τ or τ², 0 ≤ τ ≤ 1.
 struct Moments {
   MatrixXd phi, constant, linear, square;
@@ -113,6 +91,24 @@ Moments moments_of(const MatrixXd& a, const MatrixXd& drive, double length) {
 }
 
 }  // namespace
+
+template <class Real>
+SmallMatrix<Real>::SmallMatrix(const MatrixXd& values)
+    : rows{values.rows()}, columns{values.cols()} {
+  for (Index i = 0; i < rows; ++i)
+    for (Index j = 0; j < columns; ++j) entries.push_back(Real{values(i, j)});
+  find_filled();
+}
+
+template <class Real>
+void SmallMatrix<Real>::find_filled() {
+  filled.clear();
+  for (Index i = 0; i < rows; ++i)
+    for (Index j = 0; j < columns; ++j)
+      if (!sim::is_just((*this)(i, j), 0)) filled.push_back({i, j});
+}
+template struct SmallMatrix<double>;
+template struct SmallMatrix<sim::Dual>;
 
 StepMatrices<double> step_matrices(const LinearSystem& system, double length, bool sampled) {
   const Index n = system.a.rows(), inputs = system.b.cols(), forces = system.e.cols();

@@ -160,6 +160,33 @@ std::optional<double> error_of_rival(const RelationFindings& found, const Scored
   }
 }
 
+// Those of a relation, or its last round, best first.
+std::vector<ScoredCandidate> ranked_of(const Selection& selection) {
+  std::vector<ScoredCandidate> all = selection.rounds.empty() ? selection.last : selection.first;
+  std::stable_sort(all.begin(), all.end(), [](const ScoredCandidate& a, const ScoredCandidate& b) {
+    return a.gain > b.gain;
+  });
+  return all;
+}
+
+void add_evidence(const RelationFindings& found, std::vector<CandidateEvidence>& evidence) {
+  const double n = observations(*found.problem, found.folds.both);
+  for (const auto& one : ranked_of(found.selection))
+    if (evidence.size() < kMostEvidence && one.gain > 0)
+      evidence.push_back(
+          {one.candidate.name, one.candidate.title, one.gain / n, one.low / n, one.high / n});
+}
+
+void add_descriptions(const RelationFindings& found, std::vector<Description>& descriptions) {
+  for (const auto& description : found.descriptions) {
+    if (description.share <= kLeastShareOfForm) continue;
+    descriptions.push_back(description);
+    descriptions.back().channel = output_of(found);
+  }
+}
+
+bool has_result(const RelationFindings& found) { return found.is_named() || found.is_unknown(); }
+
 }  // namespace
 
 std::vector<Ablation> ablation_of(const RelationFindings& found, const ReducedModels& reduced) {
@@ -207,37 +234,6 @@ ReducedModels reduced_models(const RelationFindings& found) {
 std::string output_of(const RelationFindings& found) {
   return family_of(found.relation->outputs()[0].first);
 }
-
-namespace {
-
-// Those of a relation, or its last round, best first.
-std::vector<ScoredCandidate> ranked_of(const Selection& selection) {
-  std::vector<ScoredCandidate> all = selection.rounds.empty() ? selection.last : selection.first;
-  std::stable_sort(all.begin(), all.end(), [](const ScoredCandidate& a, const ScoredCandidate& b) {
-    return a.gain > b.gain;
-  });
-  return all;
-}
-
-void add_evidence(const RelationFindings& found, std::vector<CandidateEvidence>& evidence) {
-  const double n = observations(*found.problem, found.folds.both);
-  for (const auto& one : ranked_of(found.selection))
-    if (evidence.size() < kMostEvidence && one.gain > 0)
-      evidence.push_back(
-          {one.candidate.name, one.candidate.title, one.gain / n, one.low / n, one.high / n});
-}
-
-void add_descriptions(const RelationFindings& found, std::vector<Description>& descriptions) {
-  for (const auto& description : found.descriptions) {
-    if (description.share <= kLeastShareOfForm) continue;
-    descriptions.push_back(description);
-    descriptions.back().channel = output_of(found);
-  }
-}
-
-bool has_result(const RelationFindings& found) { return found.is_named() || found.is_unknown(); }
-
-}  // namespace
 
 std::vector<CandidateEvidence> evidence_of(const AllFindings& all, const RelationFindings& shown) {
   std::vector<CandidateEvidence> evidence;
