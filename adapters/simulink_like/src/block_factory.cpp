@@ -2,12 +2,10 @@
 //
 // Builds signal blocks from [[block]] tables: one function per type; the table of all types is at
 // the end.
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include <rths/core/error.hpp>
 #include <rths/maths/low_pass.hpp>
 #include <rths/memmap/units.hpp>
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Builds control blocks from [[block]] tables, with the helpers of all such functions.
-#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>

@@ -20,7 +20,23 @@ class SimulinkLike final : public Adapter {
   }
 
   [[nodiscard]] std::vector<Port> ports() const override { return diagram_.ports(); }
-  [[nodiscard]] Status step(StepData& step) noexcept override;
+  // The diagram continues to run during the stop, so monitors and handshake stay valid. Only the
+  // ramped outputs, which move the machine, are overridden.
+  [[nodiscard]] Status step(StepData& step) noexcept override {
+    const auto& ramped = diagram_.ramped_outputs();
+    if (stopped_at_ < 0) {
+      for (std::size_t i = 0; i < ramped.size(); ++i)
+        if (std::isfinite(step.outputs[ramped[i]])) held_[i] = step.outputs[ramped[i]];
+      if (step.stopping) stopped_at_ = step.time;
+    }
+    diagram_.step(step.time, step.is_missed, step.inputs, step.outputs);
+    if (stopped_at_ < 0 && diagram_.stop_requested()) stopped_at_ = step.time;
+    if (stopped_at_ < 0) return Status::Ok;
+    const double since = step.time - stopped_at_;
+    for (std::size_t i = 0; i < ramped.size(); ++i)
+      step.outputs[ramped[i]] = retreat_.fraction(since) * held_[i];
+    return retreat_.finished(since) ? Status::Done : Status::Ok;
+  }
 
  private:
   Diagram diagram_;
@@ -28,24 +44,6 @@ class SimulinkLike final : public Adapter {
   std::vector<double> held_;  ///< last finite values of the ramped outputs before the stop
   double stopped_at_ = -1;
 };
-
-// The diagram continues to run during the stop, so monitors and handshake stay valid. Only the
-// ramped outputs, which move the machine, are overridden.
-Status SimulinkLike::step(StepData& step) noexcept {
-  const auto& ramped = diagram_.ramped_outputs();
-  if (stopped_at_ < 0) {
-    for (std::size_t i = 0; i < ramped.size(); ++i)
-      if (std::isfinite(step.outputs[ramped[i]])) held_[i] = step.outputs[ramped[i]];
-    if (step.stopping) stopped_at_ = step.time;
-  }
-  diagram_.step(step.time, step.is_missed, step.inputs, step.outputs);
-  if (stopped_at_ < 0 && diagram_.stop_requested()) stopped_at_ = step.time;
-  if (stopped_at_ < 0) return Status::Ok;
-  const double since = step.time - stopped_at_;
-  for (std::size_t i = 0; i < ramped.size(); ++i)
-    step.outputs[ramped[i]] = retreat_.fraction(since) * held_[i];
-  return retreat_.finished(since) ? Status::Done : Status::Ok;
-}
 
 }  // namespace
 
