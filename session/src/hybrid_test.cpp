@@ -263,10 +263,7 @@ sim::TransferRecord transfer_record_of(const Roles& roles, const Reader& run,
 
 budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experiment& improved,
                                      const Reader& run, const Reader* held_out) {
-  const bool is_numerical =
-      std::any_of(experiment.nodes.begin(), experiment.nodes.end(),
-                  [](const auto& plan) { return plan.settings.solver.integrates_plant; });
-  if (!is_numerical)
+  if (!experiment.integrates_plant())
     throw Error{experiment.file.string() +
                 ": no node integrates the plant as a mismatch budget repeats it"};
   check_gaps(experiment, run, "the recording");

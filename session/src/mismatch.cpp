@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "mismatch.hpp"
 
-#include <algorithm>
 #include <map>
 #include <optional>
 
@@ -11,7 +10,6 @@
 #include <rths/cases/case.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
-#include <rths/launch/run.hpp>
 #include <rths/report/diagnosis.hpp>
 #include <rths/report/report.hpp>
 #include <rths/session/hybrid_test.hpp>
