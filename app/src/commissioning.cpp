@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Commands before a test: delay, identify, calibrate, pretest.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <climits>
+#include <csignal>
+#include <cstddef>
+#include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <optional>
+#include <string>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/command_line/write_file.hpp>
@@ -20,11 +30,80 @@
 #include <rths/session/pretest.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
-#include "temporary_folder.hpp"
 
 namespace rths::app {
 namespace {
+
+/// A folder that is removed with everything in it, also by a signal that ends the process. One at
+/// a time.
+class TemporaryFolder {
+ public:
+  explicit TemporaryFolder(const std::string& purpose) {
+    const Blocked signals;
+    std::string name = (temporary_folder() / ("rths-" + purpose + "-XXXXXX")).string();
+    if (name.size() >= named().size() || mkdtemp(name.data()) == nullptr)
+      throw Error{name + ": the folder cannot be created"};
+    path_ = name;
+    name.copy(named().data(), name.size());
+    named()[name.size()] = '\0';
+    struct sigaction action {};
+    action.sa_handler = remove_and_end;
+    for (std::size_t i = 0; i < std::size(kEndingSignals); ++i)
+      sigaction(kEndingSignals[i], &action, &previous_[i]);
+  }
+  ~TemporaryFolder() {
+    for (std::size_t i = 0; i < std::size(kEndingSignals); ++i)
+      sigaction(kEndingSignals[i], &previous_[i], nullptr);
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  // Delays the signals while the object lives.
+  class Blocked {
+   public:
+    Blocked() {
+      sigset_t signals;
+      sigemptyset(&signals);
+      for (const int signal : kEndingSignals) sigaddset(&signals, signal);
+      pthread_sigmask(SIG_BLOCK, &signals, &before_);
+    }
+    ~Blocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
+    Blocked(const Blocked&) = delete;
+    Blocked& operator=(const Blocked&) = delete;
+
+   private:
+    sigset_t before_{};
+  };
+
+  static std::array<char, PATH_MAX>& named() {
+    static std::array<char, PATH_MAX> path{};
+    return path;
+  }
+  // A handler may not allocate, so another program removes the folder. Other threads may still
+  // write into it.
+  static void remove_and_end(int signal) {
+    constexpr int kAttempts = 10;
+    for (int i = 0; i < kAttempts && access(named().data(), F_OK) == 0; ++i) {
+      const pid_t child = _Fork();
+      if (child == 0) {
+        execl("/bin/rm", "rm", "-rf", "--", named().data(), nullptr);  // NOLINT: variadic
+        _exit(1);
+      }
+      if (child > 0) waitpid(child, nullptr, 0);
+    }
+    struct sigaction action {};
+    action.sa_handler = SIG_DFL;
+    sigaction(signal, &action, nullptr);
+    raise(signal);
+  }
+
+  std::filesystem::path path_;
+  struct sigaction previous_[std::size(kEndingSignals)] = {};
+};
 
 /// Of the commands before a test: delay, identify, calibrate, pretest.
 struct CommissioningArguments {
@@ -131,9 +210,9 @@ int pretest(const CommissioningArguments& a) {
 }  // namespace
 
 void add_delay(CommandLine& line) {
-  auto& a = line.values<CommissioningArguments>();
-  auto* command = line.app.add_subcommand(
-      "delay", "Delay, gain and error of a measured signal behind its target, with intervals");
+  auto [command, a] = line.add(
+      "delay", "Delay, gain and error of a measured signal behind its target, with intervals",
+      delay);
   command->add_option("recording", a.files, "Recording, or folder of a run")
       ->required()
       ->expected(1);
@@ -153,15 +232,15 @@ void add_delay(CommandLine& line) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--json", a.json, "One JSON document instead of tables");
-  command->callback([&] { line.chosen = [&a] { return delay(a); }; });
 }
 
 void add_identify(CommandLine& line) {
-  auto& a = line.values<CommissioningArguments>();
   auto* command = line.app.add_subcommand("identify", "Identify a machine from recordings");
   command->require_subcommand(1);
-  auto* table = command->add_subcommand(
-      "empty-table", "Mass, friction and offsets of a machine that moved without a specimen");
+  auto [table, a] =
+      line.add_to(*command, "empty-table",
+                  "Mass, friction and offsets of a machine that moved without a specimen",
+                  identify_empty_table);
   table->add_option("recordings", a.files, "Recordings, or folders of runs; fitted together")
       ->required();
   table->add_option("--load-N", a.load,
@@ -175,22 +254,21 @@ void add_identify(CommandLine& line) {
       ->capture_default_str();
   table->add_option("--out", a.out, "Write the constants to this TOML file");
   table->add_flag("--json", a.json, "One JSON document instead of tables");
-  table->callback([&] { line.chosen = [&a] { return identify_empty_table(a); }; });
-  auto* inverse = command->add_subcommand(
-      "inverse", "Initial coefficients of an adaptive inverse, from runs in which it learnt");
-  inverse->add_option("recordings", a.files, "Recordings, or folders of runs; averaged")
+  auto [inverse, b] =
+      line.add_to(*command, "inverse",
+                  "Initial coefficients of an adaptive inverse, from runs in which it learnt",
+                  identify_inverse);
+  inverse->add_option("recordings", b.files, "Recordings, or folders of runs; averaged")
       ->required();
-  inverse->add_option("--block", a.inverse, "Block of the diagram that learnt")
+  inverse->add_option("--block", b.inverse, "Block of the diagram that learnt")
       ->capture_default_str();
-  inverse->add_option("--out", a.out, "Write the coefficients to this TOML file");
-  inverse->add_flag("--json", a.json, "One JSON document instead of tables");
-  inverse->callback([&] { line.chosen = [&a] { return identify_inverse(a); }; });
+  inverse->add_option("--out", b.out, "Write the coefficients to this TOML file");
+  inverse->add_flag("--json", b.json, "One JSON document instead of tables");
 }
 
 void add_calibrate(CommandLine& line) {
-  auto& a = line.values<CommissioningArguments>();
-  auto* command = line.app.add_subcommand(
-      "calibrate", "Gains of the compensation, from characterisation tests without it");
+  auto [command, a] = line.add(
+      "calibrate", "Gains of the compensation, from characterisation tests without it", calibrate);
   command->add_option("recordings", a.files, "Recordings, or folders of runs")->required();
   command->add_option("--band-Hz", a.band, "Lowest and highest frequency of the fit")
       ->expected(2)
@@ -203,13 +281,12 @@ void add_calibrate(CommandLine& line) {
       ->capture_default_str();
   command->add_option("--out", a.out, "Write the gains to this TOML file");
   command->add_flag("--json", a.json, "One JSON document instead of lines");
-  command->callback([&] { line.chosen = [&a] { return calibrate(a); }; });
 }
 
 void add_pretest(CommandLine& line) {
-  auto& a = line.values<CommissioningArguments>();
-  auto* command = line.app.add_subcommand(
-      "pretest", "Try out a test with a numerical specimen: signals, stability, go or no-go");
+  auto [command, a] = line.add(
+      "pretest", "Try out a test with a numerical specimen: signals, stability, go or no-go",
+      pretest);
   command->add_option("experiment", a.files, "Experiment file")->required()->expected(1);
   command->add_option("--machine", a.machine,
                       "Recording of the real machine, which is identified [the virtual machine]");
@@ -217,7 +294,6 @@ void add_pretest(CommandLine& line) {
                       "Folder for the recordings of the first two runs [none is kept]");
   repeatable(command->add_option("--set", a.sets, "Override a key of the experiment: key=value"));
   command->add_flag("--json", a.json, "One JSON document instead of lines");
-  command->callback([&] { line.chosen = [&a] { return pretest(a); }; });
 }
 
 }  // namespace rths::app

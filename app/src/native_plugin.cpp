@@ -33,16 +33,54 @@ rths_status status_of(Status status) {
 
 class NativePlugin final : public rths::PluginBase {
  public:
-  explicit NativePlugin(const char* text);
+  explicit NativePlugin(const char* text) {
+    const Config config = Config::parse(text, "config");
+    experiment_ = load_experiment(config.text("experiment"), changes_of(config));
+    const std::string node = config.text("node");
+    recording_ = config.text("recording", "");
+    config.reject_unknown_keys();
+    for (const auto& plan : experiment_.nodes)
+      if (plan.node == node) plan_ = &plan;
+    if (plan_ == nullptr) config.fail("node", "the experiment has no node '" + node + "'");
+    if (plan_->settings.role == experiment::Role::Recorder && recording_.empty())
+      config.fail("node", "node '" + node + "' is a recorder, expected the key recording");
+    ports_ = make()->ports();
+    for (const auto& port : ports_)
+      if (port.direction == adapters::Direction::Input ||
+          port.direction == adapters::Direction::Parameter)
+        ++inputs_;
+  }
 
-  [[nodiscard]] std::vector<rths_signal> signals() const override;
+  [[nodiscard]] std::vector<rths_signal> signals() const override {
+    std::vector<rths_signal> signals;
+    for (const auto& port : ports_) {
+      const auto range = port.range.value_or(std::pair{0.0, 0.0});
+      signals.push_back({port.name.c_str(), port.unit.c_str(),
+                         static_cast<std::uint32_t>(port.direction),
+                         port.event ? static_cast<std::uint32_t>(RTHS_EVENT) : 0U, port.initial,
+                         range.first, range.second});
+    }
+    return signals;
+  }
+
   // A new adapter is in its initial state.
   void activate() override {
     adapter_ = make();
     adapter_->activate();
     stopping_ = false;
   }
-  [[nodiscard]] rths_status step(double time_s, const double* in, double* out) noexcept override;
+
+  [[nodiscard]] rths_status step(double time_s, const double* in, double* out) noexcept override {
+    adapters::StepData step;
+    step.time = time_s;
+    step.inputs = {in, inputs_};
+    step.outputs = {out, ports_.size() - inputs_};
+    step.stopping = stopping_;
+    const Status status = adapter_->step(step);
+    message_ = step.message;
+    return status_of(status);
+  }
+
   void deactivate() noexcept override {
     try {
       adapter_->deactivate();
@@ -54,7 +92,15 @@ class NativePlugin final : public rths::PluginBase {
   [[nodiscard]] const char* message() const noexcept override { return message_; }
 
  private:
-  [[nodiscard]] std::unique_ptr<adapters::Adapter> make() const;
+  [[nodiscard]] std::unique_ptr<adapters::Adapter> make() const {
+    const memmap::Map map = memmap::load_map(experiment_.map);
+    const bool is_virtual = recording_.empty();  // a recorder has a thread, as in real time
+    experiment::NodeContext context{plan_->node, plan_->schedule.period, is_virtual, recording_,
+                                    map,         experiment_.texts(),    {},         {},
+                                    {}};
+    for (const auto& plan : experiment_.nodes) context.periods[plan.node] = plan.schedule.period;
+    return plan_->settings.make(experiment_, context);
+  }
 
   experiment::Experiment experiment_;
   std::filesystem::path recording_;
@@ -65,57 +111,6 @@ class NativePlugin final : public rths::PluginBase {
   bool stopping_ = false;
   const char* message_ = "";
 };
-
-NativePlugin::NativePlugin(const char* text) {
-  const Config config = Config::parse(text, "config");
-  experiment_ = load_experiment(config.text("experiment"), changes_of(config));
-  const std::string node = config.text("node");
-  recording_ = config.text("recording", "");
-  config.reject_unknown_keys();
-  for (const auto& plan : experiment_.nodes)
-    if (plan.node == node) plan_ = &plan;
-  if (plan_ == nullptr) config.fail("node", "the experiment has no node '" + node + "'");
-  if (plan_->settings.role == experiment::Role::Recorder && recording_.empty())
-    config.fail("node", "node '" + node + "' is a recorder, expected the key recording");
-  ports_ = make()->ports();
-  for (const auto& port : ports_)
-    if (port.direction == adapters::Direction::Input ||
-        port.direction == adapters::Direction::Parameter)
-      ++inputs_;
-}
-
-std::unique_ptr<adapters::Adapter> NativePlugin::make() const {
-  const memmap::Map map = memmap::load_map(experiment_.map);
-  const bool is_virtual = recording_.empty();  // a recorder has a thread, as in real time
-  experiment::NodeContext context{plan_->node, plan_->schedule.period, is_virtual, recording_,
-                                  map,         experiment_.texts(),    {},         {},
-                                  {}};
-  for (const auto& plan : experiment_.nodes) context.periods[plan.node] = plan.schedule.period;
-  return plan_->settings.make(experiment_, context);
-}
-
-std::vector<rths_signal> NativePlugin::signals() const {
-  std::vector<rths_signal> signals;
-  for (const auto& port : ports_) {
-    const auto range = port.range.value_or(std::pair{0.0, 0.0});
-    signals.push_back({port.name.c_str(), port.unit.c_str(),
-                       static_cast<std::uint32_t>(port.direction),
-                       port.event ? static_cast<std::uint32_t>(RTHS_EVENT) : 0U, port.initial,
-                       range.first, range.second});
-  }
-  return signals;
-}
-
-rths_status NativePlugin::step(double time_s, const double* in, double* out) noexcept {
-  adapters::StepData step;
-  step.time = time_s;
-  step.inputs = {in, inputs_};
-  step.outputs = {out, ports_.size() - inputs_};
-  step.stopping = stopping_;
-  const Status status = adapter_->step(step);
-  message_ = step.message;
-  return status_of(status);
-}
 
 }  // namespace
 }  // namespace rths::app
