@@ -5,12 +5,10 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/core/error.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {

@@ -12,7 +12,6 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/clock.hpp>
@@ -22,7 +21,6 @@
 #include <rths/dds/gateway.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -139,9 +137,11 @@ std::string this_host() {
 }  // namespace
 
 void add_bridge(CommandLine& line) {
-  auto& a = line.values<BridgeArguments>();
-  auto* command = line.app.add_subcommand(
-      "bridge", "Connect a ring with those of the same name on other hosts");
+  auto [command, a] =
+      line.add("bridge", "Connect a ring with those of the same name on other hosts", bridge,
+               [](BridgeArguments& given) {
+                 if (given.host.empty()) given.host = this_host();
+               });
   command->add_option("ring", a.ring, "Name of a ring of this host")->required();
   command->add_option("--map", a.map, "Create the ring with this map; it is removed at the end");
   command->add_option("--domain", a.domain, "DDS domain")
@@ -157,10 +157,6 @@ void add_bridge(CommandLine& line) {
   command->add_option("--as", a.joint_name, "Name of the ring on all hosts [the ring's]");
   command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
       ->check(CLI::NonNegativeNumber);
-  command->callback([&] {
-    if (a.host.empty()) a.host = this_host();
-    line.chosen = [&a] { return bridge(a); };
-  });
 }
 
 }  // namespace rths::app

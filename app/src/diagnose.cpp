@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/session/diagnose.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 #include "shown_progress.hpp"
 
 namespace rths::app {
@@ -45,9 +43,9 @@ int diagnose(const DiagnoseArguments& arguments) {
 }  // namespace
 
 void add_diagnose(CommandLine& line) {
-  auto& a = line.values<DiagnoseArguments>();
-  auto* command = line.app.add_subcommand(
-      "diagnose", "Find the physics that a simulation omits, or report that none is missing");
+  auto [command, a] = line.add(
+      "diagnose", "Find the physics that a simulation omits, or report that none is missing",
+      diagnose);
   command
       ->add_option("case", a.settings.source,
                    "Folder with a case.toml, a case file, or folder or recording of a run")
@@ -65,7 +63,6 @@ void add_diagnose(CommandLine& line) {
   command->add_flag("--progress", a.progress,
                     "Show the progress every 30 s where standard error is not a terminal");
   command->add_flag("--json", a.json, "One JSON document instead of lines");
-  command->callback([&] { line.chosen = [&a] { return diagnose(a); }; });
 }
 
 }  // namespace rths::app

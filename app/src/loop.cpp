@@ -4,7 +4,6 @@
 #include <fstream>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/command_line/drawing.hpp>
 #include <rths/command_line/write_file.hpp>
@@ -17,7 +16,6 @@
 #include <rths/sim/loop_test.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -122,9 +120,9 @@ int loop(const LoopArguments& arguments) {
 }  // namespace
 
 void add_loop(CommandLine& line) {
-  auto& a = line.values<LoopArguments>();
-  auto* command =
-      line.app.add_subcommand("loop", "Drive a bearing through loops; print and draw them");
+  auto [command, a] =
+      line.add("loop", "Drive a bearing through loops; print and draw them", loop,
+               [](LoopArguments& given) { given.changes = split_changes(given.sets); });
   command->add_option("bearing", a.bearing, "Built-in name (lprb, eqsb, tpfb) or file")->required();
   command->add_option("--amplitude-m", a.amplitude)
       ->check(CLI::Range(1e-6, 10.0))
@@ -143,10 +141,6 @@ void add_loop(CommandLine& line) {
   command->add_option("--csv", a.csv, "Write the loop along one axis to this CSV file");
   repeatable(
       command->add_option("--set", a.sets, "Override a term: term.key=value, term.enabled=false"));
-  command->callback([&] {
-    a.changes = split_changes(a.sets);
-    line.chosen = [&a] { return loop(a); };
-  });
 }
 
 }  // namespace rths::app

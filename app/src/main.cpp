@@ -3,18 +3,38 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/key_value.hpp>
+#include <rths/core/message.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/session/folder.hpp>
+#include <rths/session/run.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
+
+Changes split_changes(const std::vector<std::string>& sets) {
+  Changes changes;
+  for (const auto& set : sets) {
+    const auto change = key_value(set);
+    if (!change) throw CLI::ValidationError{"--set " + set + ": expected key=value"};
+    changes.push_back(*change);
+  }
+  return changes;
+}
+
+void check_sizes(const experiment::Experiment& experiment) {
+  for (const auto& remark : session::remarks_on(experiment))
+    write_message(fmt::format("rths: {}\n", remark));
+}
+
+std::string version() { return RTHS_VERSION; }
+
 namespace {
 
 // In the order of the help.

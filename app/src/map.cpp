@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/core/installed_files.hpp>
 #include <rths/memmap/generate.hpp>
 
-#include "checks.hpp"
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -26,9 +23,9 @@ int map_list() {
   return kOk;
 }
 
-int map_gen(const std::string& file, const std::string& language) {
-  const auto map = memmap::load_map(rths::find_map(file));
-  fmt::print("{}", language == "c" ? memmap::generate_c(map) : memmap::generate_cpp(map));
+int map_gen(const MapArguments& arguments) {
+  const auto map = memmap::load_map(rths::find_map(arguments.file));
+  fmt::print("{}", arguments.language == "c" ? memmap::generate_c(map) : memmap::generate_cpp(map));
   return kOk;
 }
 
@@ -43,19 +40,17 @@ int map_check(const std::string& file) {
 }
 
 void add_map(CommandLine& line) {
-  auto& a = line.values<MapArguments>();
   auto* command = line.app.add_subcommand("map", "Memory maps");
   command->require_subcommand(1);
   command->add_subcommand("list", "List the built-in maps")->callback([&] {
     line.chosen = [] { return map_list(); };
   });
-  auto* check_command = command->add_subcommand("check", "Check a map");
-  check_command->add_option("map", a.file, "File, or name of a built-in map")->required();
-  check_command->callback([&] { line.chosen = [&a] { return map_check(a.file); }; });
-  auto* gen = command->add_subcommand("gen", "Print a header for programs that use the map");
+  auto [check, file] = line.add_to(*command, "check", "Check a map", map_check);
+  check->add_option("map", file, "File, or name of a built-in map")->required();
+  auto [gen, a] =
+      line.add_to(*command, "gen", "Print a header for programs that use the map", map_gen);
   gen->add_option("map", a.file, "File, or name of a built-in map")->required();
   gen->add_option("--lang", a.language)->check(CLI::IsMember({"c", "cpp"}));
-  gen->callback([&] { line.chosen = [&a] { return map_gen(a.file, a.language); }; });
 }
 
 }  // namespace rths::app

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/command_line/write_file.hpp>
 #include <rths/core/ascii.hpp>
@@ -15,7 +14,6 @@
 #include <rths/core/installed_files.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -107,10 +105,10 @@ int new_adapter(const NewAdapterArguments& arguments) {
 }  // namespace
 
 void add_new(CommandLine& line) {
-  auto& a = line.values<NewAdapterArguments>();
   auto* make = line.app.add_subcommand("new", "Make a folder to begin with");
   make->require_subcommand(1);
-  auto* adapter = make->add_subcommand("adapter", "A plugin that builds, with its tests");
+  auto [adapter, a] =
+      line.add_to(*make, "adapter", "A plugin that builds, with its tests", new_adapter);
   adapter->add_option("name", a.name, "Name of the adapter and its folder")->required();
   adapter->add_option("--language", a.language)
       ->check(CLI::IsMember({"c", "cpp", "python"}))
@@ -118,7 +116,6 @@ void add_new(CommandLine& line) {
   adapter->add_option("--role", a.role)
       ->check(CLI::IsMember({"machine", "controller"}))
       ->capture_default_str();
-  adapter->callback([&] { line.chosen = [&a] { return new_adapter(a); }; });
 }
 
 }  // namespace rths::app

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/adapters/adapter_runner.hpp>
 #include <rths/app/adapter_files.hpp>
@@ -14,7 +13,6 @@
 #include <rths/session/folder.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -126,9 +124,8 @@ int replay(const ReplayArguments& arguments) {
 }  // namespace
 
 void add_replay(CommandLine& line) {
-  auto& a = line.values<ReplayArguments>();
-  auto* command = line.app.add_subcommand(
-      "replay", "Run a plugin or FMU on the inputs of a recording and compare its outputs");
+  auto [command, a] = line.add(
+      "replay", "Run a plugin or FMU on the inputs of a recording and compare its outputs", replay);
   command->add_option("library", a.substitute.file, "Plugin or FMU")
       ->required()
       ->check(CLI::ExistingPath);
@@ -141,7 +138,6 @@ void add_replay(CommandLine& line) {
       ->check(CLI::ExistingFile);
   command->add_option("--node", a.substitute.node, "Node of its monitors and parameters")
       ->capture_default_str();
-  command->callback([&] { line.chosen = [&a] { return replay(a); }; });
 }
 
 }  // namespace rths::app

@@ -4,16 +4,16 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/card/shared_cards.hpp>
 #include <rths/command_line/write_file.hpp>
+#include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/key_value.hpp>
 #include <rths/replicated/images.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -111,24 +111,53 @@ int ring_show(const RingArguments& arguments) {
   return kOk;
 }
 
+struct FaultArguments {
+  std::string ring;
+  std::vector<std::string> keys;  ///< key=value, as in a [[fault]] of an experiment
+};
+
+int fault(const FaultArguments& arguments) {
+  Config table = Config::parse("", "rths fault");
+  for (const auto& text : arguments.keys) {
+    const auto key = key_value(text);
+    if (!key) throw Error{fmt::format("found '{}', expected key=value", text)};
+    table.set(key->first, key->second);
+  }
+  const auto ring = broker::Ring::attach(arguments.ring);
+  std::vector<std::string> names;
+  for (const auto& node : ring.map().description().nodes) names.push_back(node.name);
+  const auto action = replicated::read_fault(table, names);
+  table.reject_unknown_keys();
+  replicated::request_fault(arguments.ring, action);
+  return kOk;
+}
+
 }  // namespace
 
 void add_ring(CommandLine& line) {
-  auto& a = line.values<RingArguments>();
   auto* command = line.app.add_subcommand(
       "ring", "Simulate a ring of cards in virtual time, message by message");
   command->require_subcommand(1);
-  auto* trace = command->add_subcommand(
-      "trace", "Write every hop of a scenario as trace events for Perfetto or chrome://tracing");
+  auto [trace, a] = line.add_to(
+      *command, "trace",
+      "Write every hop of a scenario as trace events for Perfetto or chrome://tracing", ring_trace);
   trace->add_option("scenario", a.source, "Scenario file")->required()->check(CLI::ExistingFile);
   trace->add_option("--out", a.out, "File for the trace [name of the scenario, in this folder]");
-  trace->callback([&] { line.chosen = [&a] { return ring_trace(a); }; });
-  auto* show = command->add_subcommand(
-      "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring");
-  show->add_option("source", a.source, "Scenario file, or name of a ring")->required();
-  show->add_option("--at-us", a.at_us, "Time in the scenario [us; its end]")
+  auto [show, b] = line.add_to(
+      *command, "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring",
+      ring_show);
+  show->add_option("source", b.source, "Scenario file, or name of a ring")->required();
+  show->add_option("--at-us", b.at_us, "Time in the scenario [us; its end]")
       ->check(CLI::NonNegativeNumber);
-  show->callback([&] { line.chosen = [&a] { return ring_show(a); }; });
+}
+
+void add_fault(CommandLine& line) {
+  auto [command, a] = line.add("fault", "Cause a fault of the cards of a replicated ring", fault);
+  command->add_option("ring", a.ring, "Name of a ring")->required();
+  command
+      ->add_option("keys", a.keys,
+                   "key=value, as in a [[fault]] of an experiment: kind=power_off node=NAME")
+      ->required();
 }
 
 }  // namespace rths::app

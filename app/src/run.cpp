@@ -3,14 +3,12 @@
 #include <string>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/core/message.hpp>
 #include <rths/session/run.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 #include "shown_progress.hpp"
 
 namespace rths::app {
@@ -118,18 +116,25 @@ int node(const NodeArguments& arguments) {
                           version());
 }
 
-int report(const std::string& folder, const std::string& beside) {
-  const auto written = session::report(folder, beside);
+int report(const ReportArguments& arguments) {
+  const auto written = session::report(arguments.folder, arguments.beside);
   fmt::print("{}", text_of(written));
   return written.conclusive ? kOk : kConditionNotMet;
+}
+
+void complete(RunArguments& given) {
+  auto& settings = given.settings;
+  if (given.clock == "virtual") settings.clock = launch::ClockKind::Virtual;
+  settings.repeats_late = given.clock == "auto";
+  settings.changes = split_changes(given.sets);
+  settings.version = version();
 }
 
 }  // namespace
 
 void add_run(CommandLine& line) {
-  auto& a = line.values<RunArguments>();
-  auto* command =
-      line.app.add_subcommand("run", "Run an experiment and write its recording and report");
+  auto [command, a] =
+      line.add("run", "Run an experiment and write its recording and report", run, complete);
   command->add_option("experiment", a.settings.experiment, "Experiment file")->required();
   command
       ->add_option("--clock", a.clock,
@@ -160,38 +165,25 @@ void add_run(CommandLine& line) {
   command->add_flag("!--no-diagnosis", a.settings.diagnoses,
                     "Do not diagnose the recording at the end");
   command->add_flag("--json", a.json, "One JSON document instead of lines");
-  command->callback([&] {
-    auto& settings = a.settings;
-    if (a.clock == "virtual") settings.clock = launch::ClockKind::Virtual;
-    settings.repeats_late = a.clock == "auto";
-    settings.changes = split_changes(a.sets);
-    settings.version = version();
-    line.chosen = [&a] { return run(a); };
-  });
 }
 
 void add_node(CommandLine& line) {
-  auto& a = line.values<NodeArguments>();
-  auto* command = line.app.add_subcommand("node", "Run one node; for the launcher");
+  auto [command, a] =
+      line.add("node", "Run one node; for the launcher", node,
+               [](NodeArguments& given) { given.changes = split_changes(given.sets); });
   command->group("");
   command->add_option("experiment", a.experiment)->required();
   command->add_option("--node", a.node)->required();
   command->add_option("--ring", a.ring)->required();
   command->add_option("--recording", a.recording)->required();
   repeatable(command->add_option("--set", a.sets));
-  command->callback([&] {
-    a.changes = split_changes(a.sets);
-    line.chosen = [&a] { return node(a); };
-  });
 }
 
 void add_report(CommandLine& line) {
-  auto& a = line.values<ReportArguments>();
-  auto* command = line.app.add_subcommand("report", "Rewrite the report of a run");
+  auto [command, a] = line.add("report", "Rewrite the report of a run", report);
   command->add_option("folder", a.folder, "Folder of the run")->required();
   command->add_option("--beside", a.beside,
                       "Folder of another run, to show its response and spectra, too");
-  command->callback([&] { line.chosen = [&a] { return report(a.folder, a.beside); }; });
 }
 
 }  // namespace rths::app

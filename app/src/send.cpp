@@ -4,7 +4,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
@@ -14,7 +13,6 @@
 #include <rths/memmap/units.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -126,12 +124,10 @@ int send(const SendArguments& arguments) {
 }  // namespace
 
 void add_send(CommandLine& line) {
-  auto& a = line.values<SendArguments>();
-  auto* command = line.app.add_subcommand("send", "Write words of a ring by name");
+  auto [command, a] = line.add("send", "Write words of a ring by name", send);
   command->add_option("ring", a.ring, "Name of a ring")->required();
   command->add_option("assignments", a.assignments, "name=value, optionally with a unit: 12.5mm")
       ->required();
-  command->callback([&] { line.chosen = [&a] { return send(a); }; });
 }
 
 }  // namespace rths::app

@@ -5,7 +5,6 @@
 #include <functional>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <rths/command_line/drawing.hpp>
@@ -13,7 +12,6 @@
 #include <rths/sim/loop_test.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -144,14 +142,12 @@ int terms(const TermsArguments& arguments) {
 }  // namespace
 
 void add_terms(CommandLine& line) {
-  auto& a = line.values<TermsArguments>();
-  auto* command = line.app.add_subcommand(
-      "terms", "List the terms of bearings, machines and sensors, with equations");
+  auto [command, a] =
+      line.add("terms", "List the terms of bearings, machines and sensors, with equations", terms);
   command->add_option("names", a.names, "Terms to list [all]");
   command->add_option("--format", a.format)->check(CLI::IsMember({"text", "markdown", "json"}));
   command->add_option("--draw", a.draw,
                       "Draw the effect of each term into this folder, print nothing");
-  command->callback([&] { line.chosen = [&a] { return terms(a); }; });
 }
 
 }  // namespace rths::app

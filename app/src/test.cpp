@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <CLI/CLI.hpp>
 
 #include <rths/core/clock.hpp>
 #include <rths/core/config.hpp>
@@ -12,7 +11,6 @@
 #include <rths/testkit/test_file.hpp>
 
 #include "command.hpp"
-#include "commands.hpp"
 
 namespace rths::app {
 namespace {
@@ -55,11 +53,11 @@ class Folder {
   bool is_kept_ = false;
 };
 
-int test(const std::string& file, const std::string& kept) {
-  const auto test = testkit::read_test(Config::load(file));
+int test(const TestArguments& arguments) {
+  const auto test = testkit::read_test(Config::load(arguments.file));
   for (const int signal : {SIGINT, SIGTERM, SIGHUP})
     std::signal(signal, [](int) { is_interrupted = 1; });
-  Folder folder{std::filesystem::absolute(kept), test.name};
+  Folder folder{std::filesystem::absolute(arguments.kept), test.name};
   const WallClock clock;
   const TimePoint begun = clock.now();
   const auto result =
@@ -79,13 +77,11 @@ int test(const std::string& file, const std::string& kept) {
 }  // namespace
 
 void add_test(CommandLine& line) {
-  auto& a = line.values<TestArguments>();
-  auto* command = line.app.add_subcommand(
-      "test", "Run a test: programs on a ring of their own, faults, expectations of signals");
+  auto [command, a] = line.add(
+      "test", "Run a test: programs on a ring of their own, faults, expectations of signals", test);
   command->add_option("file", a.file, "Test file")->required()->check(CLI::ExistingFile);
   command->add_option("--keep", a.kept, "Folder for logs and recordings of failed tests")
       ->capture_default_str();
-  command->callback([&] { line.chosen = [&a] { return test(a.file, a.kept); }; });
 }
 
 }  // namespace rths::app
