@@ -12,6 +12,41 @@
 namespace rths::experiment {
 namespace {
 
+/// A bearing along some of its axes.
+class AssumedSpecimen final : public controller::SpecimenModel {
+ public:
+  /// @param directions  of the axes: 0 long, 1 lat
+  AssumedSpecimen(const sim::Bearing& bearing, std::vector<Eigen::Index> directions, double period)
+      : run_{bearing, period},
+        load_at_rest_{bearing.axial_load},
+        directions_{std::move(directions)},
+        force_{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(directions_.size()))} {}
+
+  [[nodiscard]] const Eigen::VectorXd& move(const Eigen::VectorXd& displacement,
+                                            const Eigen::VectorXd& velocity,
+                                            double axial_load) noexcept override {
+    Eigen::Vector2d u = Eigen::Vector2d::Zero(), v = u;
+    for (Eigen::Index i = 0; i < force_.size(); ++i) {
+      u[direction(i)] = displacement[i];
+      v[direction(i)] = velocity[i];
+    }
+    const Eigen::Vector2d force =
+        run_.advance(u, v, std::isfinite(axial_load) ? axial_load : load_at_rest_);
+    for (Eigen::Index i = 0; i < force_.size(); ++i) force_[i] = force[direction(i)];
+    return force_;
+  }
+
+ private:
+  [[nodiscard]] Eigen::Index direction(Eigen::Index axis) const {
+    return directions_[static_cast<std::size_t>(axis)];
+  }
+
+  sim::BearingRun run_;
+  double load_at_rest_;
+  std::vector<Eigen::Index> directions_;
+  Eigen::VectorXd force_;
+};
+
 struct Range {
   double low, high;
 };
@@ -51,6 +86,15 @@ std::vector<controller::InverseCoefficients> read_coefficients(
 }
 
 }  // namespace
+
+controller::MakeSpecimen assumed_specimen(const sim::Bearing& bearing,
+                                          const std::vector<std::string>& axes, double period) {
+  std::vector<Eigen::Index> directions;
+  for (const auto& axis : axes) directions.push_back(axis == name_of(Axis::Lat) ? 1 : 0);
+  return [bearing, directions, period] {
+    return std::make_unique<AssumedSpecimen>(bearing, directions, period);
+  };
+}
 
 std::size_t index_of_axis(const std::string& axis) {
   const auto known = axis_named(axis);
