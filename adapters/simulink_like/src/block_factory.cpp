@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/experiment/block_settings.hpp>
 #include <rths/maths/low_pass.hpp>
 #include <rths/memmap/units.hpp>
 
