@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "host_words.hpp"
 #include "run_modes.hpp"
 
 #include <algorithm>

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "foreign_node.hpp"
-
 #include <atomic>
 #include <cstdio>
 #include <fstream>

@@ -11,7 +11,7 @@
 
 #include <rths/core/error.hpp>
 
-#include "realtime_thread.hpp"
+#include "run_modes.hpp"
 
 namespace rths::launch {
 namespace {

@@ -11,7 +11,7 @@
 #include <rths/dds/gateway.hpp>
 #include <rths/launch/run.hpp>
 
-#include "host_words.hpp"
+#include "run_modes.hpp"
 #include "silence.hpp"
 
 namespace rths::launch {

@@ -3,8 +3,6 @@
 
 #include <sched.h>
 
-#include "realtime_thread.hpp"
-
 namespace rths::launch {
 namespace {
 

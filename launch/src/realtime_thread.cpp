@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "realtime_thread.hpp"
+#include "run_modes.hpp"
 
 #include <pthread.h>
 #include <sys/mman.h>

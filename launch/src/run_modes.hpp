@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -107,5 +109,55 @@ void await_others(const Experiment& experiment, const NodePlan& plan,
 
 /// Steps of a node in the longest run of an experiment, slow-downs included.
 [[nodiscard]] std::size_t steps_of(const Experiment& experiment, const NodePlan& plan);
+
+/// Gives the calling thread real-time scheduling, locked memory and exact timers. Nothing else
+/// does so. A missing privilege is not an error.
+/// @param priority  1…99
+/// @returns the missing privileges as text; empty if none
+[[nodiscard]] std::string make_realtime(int priority);
+/// Gives it real-time scheduling alone. @returns 0, or the error number
+int prefer_realtime(int priority);
+
+/// Priorities within a run: the host probe has the highest; those of the nodes are in NodeSettings.
+inline constexpr int kProbePriority = 70;
+inline constexpr int kGatewayPriority = 20;  ///< of a test on several hosts
+
+/// Name of the ring of a run, and the file of its recording.
+struct RunPlace {
+  std::string ring;
+  std::filesystem::path recording;
+};
+
+/// Runs the process that stands for a foreign node: starts its program, or asks the user to, and is
+/// ready when the program is on the ring. Watches the program, its peers and the launcher; ends the
+/// program after the retreat of the others.
+/// @returns exit code of the process   @throws Error if the program does not join the ring   @setup
+[[nodiscard]] int run_foreign_node(const Experiment& experiment, const NodePlan& plan,
+                                   broker::Ring& ring, const RunPlace& place);
+
+/// State of a test on one host. The launchers of several hosts run one test together through words
+/// that cross hosts like all words of the ring.
+enum class HostState : std::uint32_t {
+  Absent,    ///< not started
+  Starting,  ///< its nodes, or those of other hosts, are not ready
+  Ready,     ///< has all nodes of the test on its ring
+  Going,     ///< of the leading host: has set the time zero
+  Stopping,  ///< brings its nodes to rest
+  Completed,
+  Failed,
+  StoppedEarly  ///< brings its nodes to rest on request, before the end of the test
+};
+
+/// Longwords of a launcher: state, time zero (2), fingerprint (2), length of the text, text.
+inline constexpr std::uint32_t kLauncherLongwords = 64;
+
+[[nodiscard]] inline std::string launcher_partition(const std::string& host) {
+  return "launcher." + host;
+}
+[[nodiscard]] inline std::string launcher_node(const std::string& host) {
+  return "launcher_" + host;
+}
+/// One word: the number of steps of the node in virtual time, and whether it has ended.
+[[nodiscard]] inline std::string turn_partition(const std::string& node) { return "turn." + node; }
 
 }  // namespace rths::launch

@@ -14,10 +14,8 @@
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 
-#include "foreign_node.hpp"
 #include "launcher_link.hpp"
 #include "peer_watch.hpp"
-#include "realtime_thread.hpp"
 #include "run_modes.hpp"
 
 namespace rths::launch {

@@ -28,32 +28,6 @@
 namespace rths::launch {
 namespace {
 
-/// The order of the steps of all hosts in virtual time. Each node writes the number of its steps
-/// after the results of its step, so a host that reads this number has the results.
-class Turns {
- public:
-  Turns(broker::Ring& ring, const Experiment& experiment, HostLink& link);
-
-  /// Result of the next step of a node of another host.
-  struct Waited {
-    std::optional<Status> status;  ///< empty: the other host did not make the step
-    std::string trouble;           ///< why
-  };
-  [[nodiscard]] Waited wait_for(const std::string& node);
-  /// Tells the other hosts that a node of this host made its step.
-  void pass_on(broker::Node& writer, const std::string& node, Status status);
-
- private:
-  struct Turn {
-    LongwordOffset word;
-    std::uint32_t steps = 0;
-  };
-  broker::Node reader_;
-  broker::Waiter waiter_;
-  HostLink& link_;
-  std::map<std::string, Turn> turns_;  ///< by node
-};
-
 constexpr Duration kLook = std::chrono::milliseconds{100};
 
 // A word of a turn: the number of steps in the upper 30 bits, 12 days at 1 kHz, and the end of the
@@ -84,34 +58,55 @@ std::optional<Status> status_of(std::uint32_t step, std::uint32_t word) {
   return end == kDone ? Status::Done : Status::Fault;
 }
 
-Turns::Turns(broker::Ring& ring, const Experiment& experiment, HostLink& link)
-    : reader_{ring.observe()},
-      waiter_{ring.wait_for(words_of(ring.map(), experiment))},
-      link_{link} {
-  const auto words = words_of(ring.map(), experiment);
-  for (std::size_t i = 0; i < words.size(); ++i)
-    turns_[experiment.nodes[i].node] = {words[i].begin, 0};
-}
-
-Turns::Waited Turns::wait_for(const std::string& node) {
-  const WallClock clock;
-  Turn& turn = turns_.at(node);
-  ++turn.steps;
-  for (;;) {
-    if (const auto status = status_of(turn.steps, reader_.read(turn.word))) return {status, ""};
-    broker::Write ignored{};
-    if (waiter_.wait(clock.now() + kLook, ignored) == Status::Ok) continue;
-    if (InterruptGuard::is_interrupted()) return {{}, "interrupted"};
-    if (InterruptGuard::is_stop_requested()) return {{}, "stopped on request"};
-    if (const auto trouble = link_.find_trouble()) return {{}, *trouble};
+/// The order of the steps of all hosts in virtual time. Each node writes the number of its steps
+/// after the results of its step, so a host that reads this number has the results.
+class Turns {
+ public:
+  Turns(broker::Ring& ring, const Experiment& experiment, HostLink& link)
+      : reader_{ring.observe()},
+        waiter_{ring.wait_for(words_of(ring.map(), experiment))},
+        link_{link} {
+    const auto words = words_of(ring.map(), experiment);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      turns_[experiment.nodes[i].node] = {words[i].begin, 0};
   }
-}
 
-void Turns::pass_on(broker::Node& writer, const std::string& node, Status status) {
-  Turn& turn = turns_.at(node);
-  ++turn.steps;
-  static_cast<void>(writer.write(turn.word, turn.steps << kEndBits | end_of(status)));
-}
+  /// Result of the next step of a node of another host.
+  struct Waited {
+    std::optional<Status> status;  ///< empty: the other host did not make the step
+    std::string trouble;           ///< why
+  };
+  [[nodiscard]] Waited wait_for(const std::string& node) {
+    const WallClock clock;
+    Turn& turn = turns_.at(node);
+    ++turn.steps;
+    for (;;) {
+      if (const auto status = status_of(turn.steps, reader_.read(turn.word))) return {status, ""};
+      broker::Write ignored{};
+      if (waiter_.wait(clock.now() + kLook, ignored) == Status::Ok) continue;
+      if (InterruptGuard::is_interrupted()) return {{}, "interrupted"};
+      if (InterruptGuard::is_stop_requested()) return {{}, "stopped on request"};
+      if (const auto trouble = link_.find_trouble()) return {{}, *trouble};
+    }
+  }
+
+  /// Tells the other hosts that a node of this host made its step.
+  void pass_on(broker::Node& writer, const std::string& node, Status status) {
+    Turn& turn = turns_.at(node);
+    ++turn.steps;
+    static_cast<void>(writer.write(turn.word, turn.steps << kEndBits | end_of(status)));
+  }
+
+ private:
+  struct Turn {
+    LongwordOffset word;
+    std::uint32_t steps = 0;
+  };
+  broker::Node reader_;
+  broker::Waiter waiter_;
+  HostLink& link_;
+  std::map<std::string, Turn> turns_;  ///< by node
+};
 
 constexpr Duration kProgressPeriod = std::chrono::milliseconds{500};
 constexpr Duration kLongestFarewell = std::chrono::seconds{5};

@@ -23,31 +23,10 @@
 #include "interrupt.hpp"
 #include "launcher_link.hpp"
 #include "ownership.hpp"
-#include "realtime_thread.hpp"
 #include "run_modes.hpp"
 
 namespace rths::launch {
 namespace {
-
-/// Carries the messages of a replicated ring in real time, in a thread of this process.
-class CardCarrier {
- public:
-  /// @param images  used by the thread alone until this object is destroyed
-  explicit CardCarrier(replicated::Images& images);
-  ~CardCarrier();
-  CardCarrier(const CardCarrier&) = delete;
-  CardCarrier& operator=(const CardCarrier&) = delete;
-
-  /// Sets the common time zero of the run, from which the faults count.
-  void begin(TimePoint epoch) { epoch_.store(epoch.count()); }
-
- private:
-  void run();
-  replicated::Images& images_;
-  std::atomic<bool> ends_{false};
-  std::atomic<TimePoint::rep> epoch_{0};  ///< 0: not known yet
-  std::thread thread_;                    ///< last, because it uses the members above
-};
 
 constexpr Duration kScanPeriod = std::chrono::microseconds{50};
 
@@ -56,29 +35,43 @@ constexpr int kPriority = 65;  // between the host probe and the adapters
 // No fault is due before the run begins.
 constexpr replicated::Time kNever{std::numeric_limits<replicated::Time::rep>::max() / 2};
 
-CardCarrier::CardCarrier(replicated::Images& images)
-    : images_{images}, thread_{[this] { run(); }} {}
-
-CardCarrier::~CardCarrier() {
-  ends_.store(true);
-  thread_.join();
-}
-
-void CardCarrier::run() {
-  static_cast<void>(make_realtime(kPriority));
-  WallClock clock;
-  const TimePoint start = clock.now();
-  images_.begin(kNever);
-  bool has_begun = false;
-  while (!ends_.load(std::memory_order_relaxed)) {
-    if (const auto epoch = epoch_.load(std::memory_order_relaxed); epoch != 0 && !has_begun) {
-      has_begun = true;
-      images_.begin(replicated::Time{TimePoint{epoch} - start});
-    }
-    images_.advance(replicated::Time{clock.now() - start});
-    clock.sleep_until(clock.now() + kScanPeriod);
+/// Carries the messages of a replicated ring in real time, in a thread of this process.
+class CardCarrier {
+ public:
+  /// @param images  used by the thread alone until this object is destroyed
+  explicit CardCarrier(replicated::Images& images) : images_{images}, thread_{[this] { run(); }} {}
+  ~CardCarrier() {
+    ends_.store(true);
+    thread_.join();
   }
-}
+  CardCarrier(const CardCarrier&) = delete;
+  CardCarrier& operator=(const CardCarrier&) = delete;
+
+  /// Sets the common time zero of the run, from which the faults count.
+  void begin(TimePoint epoch) { epoch_.store(epoch.count()); }
+
+ private:
+  void run() {
+    static_cast<void>(make_realtime(kPriority));
+    WallClock clock;
+    const TimePoint start = clock.now();
+    images_.begin(kNever);
+    bool has_begun = false;
+    while (!ends_.load(std::memory_order_relaxed)) {
+      if (const auto epoch = epoch_.load(std::memory_order_relaxed); epoch != 0 && !has_begun) {
+        has_begun = true;
+        images_.begin(replicated::Time{TimePoint{epoch} - start});
+      }
+      images_.advance(replicated::Time{clock.now() - start});
+      clock.sleep_until(clock.now() + kScanPeriod);
+    }
+  }
+
+  replicated::Images& images_;
+  std::atomic<bool> ends_{false};
+  std::atomic<TimePoint::rep> epoch_{0};  ///< 0: not known yet
+  std::thread thread_;                    ///< last, because it uses the members above
+};
 
 constexpr auto kReadyDeadline = std::chrono::seconds{20};
 constexpr auto kHeadStart = std::chrono::milliseconds{50};  // between "go" and the first step
