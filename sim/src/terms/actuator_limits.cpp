@@ -9,10 +9,10 @@ namespace rths::sim {
 namespace {
 
 struct RateSaturation : Acts<Stage::Actuator, kPerAxis> {
-  static constexpr std::string_view kName = "rate_saturation";
-  static constexpr std::string_view kTitle = "velocity limit of the actuator";
-  static constexpr std::string_view kEquation = "u follows the command with |u'| <= v_max";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kName = "rate_saturation";
+  static constexpr Text kTitle = "velocity limit of the actuator";
+  static constexpr Text kEquation = "u follows the command with |u'| <= v_max";
+  static constexpr Text kSource = "textbook";
   enum { kRate };
   static constexpr Parameter kParameters[] = {{"velocity_limit", "m/s", 1e-6, 1e3, 1e3, 0.3}};
   static constexpr std::size_t kStates = std::size_t{2} * kHorizontalAxes;  // started, u
@@ -42,10 +42,10 @@ struct RateSaturation : Acts<Stage::Actuator, kPerAxis> {
 // x' = s − x/T with the command's velocity s, solved exactly; inside, u rests. In a step that
 // leaves the band, only the time after the edge counts.
 struct ValveDeadband : Acts<Stage::Actuator, kPerAxis> {
-  static constexpr std::string_view kName = "valve_deadband";
-  static constexpr std::string_view kTitle = "dead band of the servo valve";
-  static constexpr std::string_view kEquation = "T u' = e - clip(e, d),  e = command - u";
-  static constexpr std::string_view kSource = "Merritt 1967, chapter 5, in a position loop";
+  static constexpr Text kName = "valve_deadband";
+  static constexpr Text kTitle = "dead band of the servo valve";
+  static constexpr Text kEquation = "T u' = e - clip(e, d),  e = command - u";
+  static constexpr Text kSource = "Merritt 1967, chapter 5, in a position loop";
   enum { kBand, kTimeConstant };
   static constexpr Parameter kParameters[] = {{"dead_band", "m", 0, 10, 0, 1e-3},
                                               {"time_constant", "s", 0, 10, 0, 20e-3}};
@@ -118,10 +118,10 @@ struct ValveDeadband : Acts<Stage::Actuator, kPerAxis> {
 };
 
 struct LoadCompliance : Acts<Stage::Actuator, kPerAxis> {
-  static constexpr std::string_view kName = "load_compliance";
-  static constexpr std::string_view kTitle = "compliance of the actuator under load";
-  static constexpr std::string_view kEquation = "u = command - chi f,  T^2 f'' + 2 T f' + f = F";
-  static constexpr std::string_view kSource = "textbook; solution: docs/theory/machine_terms.md";
+  static constexpr Text kName = "load_compliance";
+  static constexpr Text kTitle = "compliance of the actuator under load";
+  static constexpr Text kEquation = "u = command - chi f,  T^2 f'' + 2 T f' + f = F";
+  static constexpr Text kSource = "textbook; solution: docs/theory/machine_terms.md";
   enum { kCompliance, kStiffness, kTimeConstant };
   static constexpr Parameter kParameters[] = {{"compliance", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate,

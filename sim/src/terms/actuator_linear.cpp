@@ -30,10 +30,10 @@ void lag_motion(const TermView<Real>& term, Quantities<Real>& q, const Lag& lag)
 }
 
 struct ActuatorDelay : Acts<Stage::Actuator, kPerAxis | kDelaysCommand> {
-  static constexpr std::string_view kName = "actuator_delay";
-  static constexpr std::string_view kTitle = "pure delay of the actuator";
-  static constexpr std::string_view kEquation = "u(t) = command(t - tau)";
-  static constexpr std::string_view kSource = "Horiuchi et al. 1999; cubic interpolation is ours";
+  static constexpr Text kName = "actuator_delay";
+  static constexpr Text kTitle = "pure delay of the actuator";
+  static constexpr Text kEquation = "u(t) = command(t - tau)";
+  static constexpr Text kSource = "Horiuchi et al. 1999; cubic interpolation is ours";
   enum { kDelay };
   static constexpr double kLongest = 0.2;  // [s]
   static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};
@@ -55,10 +55,10 @@ struct ActuatorDelay : Acts<Stage::Actuator, kPerAxis | kDelaysCommand> {
 };
 
 struct ActuatorLag : Acts<Stage::Actuator, kPerAxis> {
-  static constexpr std::string_view kName = "first_order_lag";
-  static constexpr std::string_view kTitle = "first-order lag of the actuator";
-  static constexpr std::string_view kEquation = "T u' + u = command";
-  static constexpr std::string_view kSource = "textbook, exact for a command linear in each step";
+  static constexpr Text kName = "first_order_lag";
+  static constexpr Text kTitle = "first-order lag of the actuator";
+  static constexpr Text kEquation = "T u' + u = command";
+  static constexpr Text kSource = "textbook, exact for a command linear in each step";
   enum { kTimeConstant };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 20e-3}};
   static constexpr std::size_t kStates = kSignals * FirstOrderLag<double>::kStates;
@@ -83,11 +83,11 @@ struct SecondOrderActuator : Acts<Stage::Actuator, kPerAxis> {
 
 // With the dead band of a valve and the velocity limit of a piston.
 struct ActuatorBandwidth : Acts<Stage::Actuator, kPerAxis> {
-  static constexpr std::string_view kName = "actuator_bandwidth";
-  static constexpr std::string_view kTitle = "second-order lag of the actuator";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "actuator_bandwidth";
+  static constexpr Text kTitle = "second-order lag of the actuator";
+  static constexpr Text kEquation =
       "T^2 u'' + 2 zeta T u' = e - clip(e, d),  e = command - u,  |u'| <= v,  T = 1/(2 pi f)";
-  static constexpr std::string_view kSource =
+  static constexpr Text kSource =
       "Merritt 1967; exact for a command linear in each step within the limits";
   enum { kTimeConstant, kDamping, kDeadBand, kVelocityLimit };
   static constexpr double kUnlimited = 1e6;  // [m/s]
@@ -150,11 +150,10 @@ struct ActuatorBandwidth : Acts<Stage::Actuator, kPerAxis> {
 };
 
 struct OilColumnResonance : SecondOrderActuator {
-  static constexpr std::string_view kName = "oil_column_resonance";
-  static constexpr std::string_view kTitle = "oil-column resonance of the platen";
-  static constexpr std::string_view kEquation =
-      "T^2 u'' + 2 zeta T u' + u = command,  T^2 = m V / (4 B A^2)";
-  static constexpr std::string_view kSource = "Merritt 1967, chapter 6";
+  static constexpr Text kName = "oil_column_resonance";
+  static constexpr Text kTitle = "oil-column resonance of the platen";
+  static constexpr Text kEquation = "T^2 u'' + 2 zeta T u' + u = command,  T^2 = m V / (4 B A^2)";
+  static constexpr Text kSource = "Merritt 1967, chapter 6";
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 1, 0, 13e-3},
                                               {"damping", "-", 0.001, 10, 0.1, 0.1}};
 };

@@ -17,12 +17,11 @@ Real level_of(const Real* coefficients, const Real& current) {
 }
 
 struct CurrentDependentFriction : Acts<Stage::Restoring, kPerAxis | kControlled> {
-  static constexpr std::string_view kName = "current_dependent_friction";
-  static constexpr std::string_view kTitle = "current-controlled friction of a damper";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "current_dependent_friction";
+  static constexpr Text kTitle = "current-controlled friction of a damper";
+  static constexpr Text kEquation =
       "F = max(0, F_0 + F_1 I + F_2 I^2) s |v|/(|v| + v_c),  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource =
-      "Dahl 1968, exponent 1; polynomial and creep are ours";
+  static constexpr Text kSource = "Dahl 1968, exponent 1; polynomial and creep are ours";
   enum { kForce, kPerCurrent, kPerSquare, kPresliding, kCreep };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               {"force_per_current", "N/A", -1e12, 1e12, 0, 2e4},
@@ -46,30 +45,27 @@ struct CurrentDependentFriction : Acts<Stage::Restoring, kPerAxis | kControlled>
 
 struct CurrentDependentDamping
     : Acts<Stage::Restoring, kDissipative | kFrameIndifferent | kPerAxis | kControlled> {
-  static constexpr std::string_view kName = "current_dependent_damping";
-  static constexpr std::string_view kTitle = "current-controlled viscosity of a damper";
-  static constexpr std::string_view kEquation = "F = max(0, c_0 + c_1 I + c_2 I^2) v";
-  static constexpr std::string_view kSource = "textbook; the polynomial is ours";
+  static constexpr Text kName = "current_dependent_damping";
+  static constexpr Text kTitle = "current-controlled viscosity of a damper";
+  static constexpr Text kEquation = "F = max(0, c_0 + c_1 I + c_2 I^2) v";
+  static constexpr Text kSource = "textbook; the polynomial is ours";
   enum { kCoefficient, kPerCurrent, kPerSquare };
   static constexpr Parameter kParameters[] = {
       {"coefficient", "N*s/m", 0, 1e13, 0, 2e4},
       {"coefficient_per_current", "N*s/m/A", -1e13, 1e13, 0, 4e4},
       {"coefficient_per_current2", "N*s/m/A2", -1e13, 1e13, 0, 1e4}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real level = level_of(term.parameters + kCoefficient, q.auxiliary);
-    for_each_active_axis(term,
-                         [&](std::size_t axis) { q.force[axis] += level * q.velocity[axis]; });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return level_of(term.parameters + kCoefficient, q.auxiliary) * q.velocity[axis];
   }
 };
 
 // The coil and its amplifier: the field follows the recorded voltage or set current.
 struct ControlLag : Acts<Stage::Modifier, kControlled> {
-  static constexpr std::string_view kName = "control_lag";
-  static constexpr std::string_view kTitle = "first-order lag of a device's control input";
-  static constexpr std::string_view kEquation = "T I' + I = recorded input";
-  static constexpr std::string_view kSource =
+  static constexpr Text kName = "control_lag";
+  static constexpr Text kTitle = "first-order lag of a device's control input";
+  static constexpr Text kEquation = "T I' + I = recorded input";
+  static constexpr Text kSource =
       "Spencer, Dyke, Sain & Carlson 1997; exact for an input linear in each step";
   enum { kTimeConstant };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 20e-3}};
@@ -83,10 +79,10 @@ struct ControlLag : Acts<Stage::Modifier, kControlled> {
 };
 
 struct ControlDelay : Acts<Stage::Modifier, kControlled> {
-  static constexpr std::string_view kName = "control_delay";
-  static constexpr std::string_view kTitle = "pure delay of a device's control input";
-  static constexpr std::string_view kEquation = "I(t) = recorded input(t - tau)";
-  static constexpr std::string_view kSource = "textbook; cubic interpolation is ours";
+  static constexpr Text kName = "control_delay";
+  static constexpr Text kTitle = "pure delay of a device's control input";
+  static constexpr Text kEquation = "I(t) = recorded input(t - tau)";
+  static constexpr Text kSource = "textbook; cubic interpolation is ours";
   enum { kDelay };
   static constexpr double kLongest = 0.2;  // [s]
   static constexpr Parameter kParameters[] = {{"delay", "s", 0, kLongest, 0, 12e-3}};

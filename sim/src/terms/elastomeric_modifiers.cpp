@@ -9,10 +9,10 @@ namespace rths::sim {
 namespace {
 
 struct HorizontalStiffnessVariation : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "horizontal_stiffness_variation";
-  static constexpr std::string_view kTitle = "stiffness that falls towards the buckling load";
-  static constexpr std::string_view kEquation = "K = K_0 max(0, 1 - c (N/P_cr)^2)";
-  static constexpr std::string_view kSource = "Koh & Kelly 1988, as in Kumar et al. 2014";
+  static constexpr Text kName = "horizontal_stiffness_variation";
+  static constexpr Text kTitle = "stiffness that falls towards the buckling load";
+  static constexpr Text kEquation = "K = K_0 max(0, 1 - c (N/P_cr)^2)";
+  static constexpr Text kSource = "Koh & Kelly 1988, as in Kumar et al. 2014";
   enum { kCoefficient };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", 0, 10, 0, 1}};
 
@@ -25,11 +25,10 @@ struct HorizontalStiffnessVariation : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct AxialLoadStrength : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "axial_load_strength";
-  static constexpr std::string_view kTitle = "strength that depends on the axial load";
-  static constexpr std::string_view kEquation =
-      "Q = Q_0 f,  k = k_0 f^s,  f = max(0, 1 + k_Q (N - N_0)/N_0)";
-  static constexpr std::string_view kSource = "first-order; confinement of the lead plug";
+  static constexpr Text kName = "axial_load_strength";
+  static constexpr Text kTitle = "strength that depends on the axial load";
+  static constexpr Text kEquation = "Q = Q_0 f,  k = k_0 f^s,  f = max(0, 1 + k_Q (N - N_0)/N_0)";
+  static constexpr Text kSource = "first-order; confinement of the lead plug";
   enum { kCoefficient, kReference, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.2},
                                               {"reference_load", "N", 1e-6, 1e10, 9.7e6, 9.7e6},
@@ -45,10 +44,10 @@ struct AxialLoadStrength : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct AxialLoadStiffness : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "axial_load_stiffness";
-  static constexpr std::string_view kTitle = "stiffness that depends on the axial load";
-  static constexpr std::string_view kEquation = "K = K_0 max(0, 1 - k_K ((N/N_0)^2 - 1))";
-  static constexpr std::string_view kSource = "Koh & Kelly 1988, about the load N_0 of the test";
+  static constexpr Text kName = "axial_load_stiffness";
+  static constexpr Text kTitle = "stiffness that depends on the axial load";
+  static constexpr Text kEquation = "K = K_0 max(0, 1 - k_K ((N/N_0)^2 - 1))";
+  static constexpr Text kSource = "Koh & Kelly 1988, about the load N_0 of the test";
   enum { kCoefficient, kReference };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, 0.05},
                                               {"reference_load", "N", 1e-6, 1e10, 9.7e6, 9.7e6}};
@@ -62,10 +61,10 @@ struct AxialLoadStiffness : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct Scragging : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "scragging";
-  static constexpr std::string_view kTitle = "virgin stiffness lost with peak displacement";
-  static constexpr std::string_view kEquation = "K = K_0 (1 + s exp(-u_max/u_s))";
-  static constexpr std::string_view kSource = "Mullins 1969; Thompson et al. 2000";
+  static constexpr Text kName = "scragging";
+  static constexpr Text kTitle = "virgin stiffness lost with peak displacement";
+  static constexpr Text kEquation = "K = K_0 (1 + s exp(-u_max/u_s))";
+  static constexpr Text kSource = "Mullins 1969; Thompson et al. 2000";
   enum { kExcess, kDisplacement };
   static constexpr Parameter kParameters[] = {
       {"virgin_excess", "-", 0, 10, 0, 0.2}, {"scragging_displacement", "m", 1e-7, 10, 0.05, 0.05}};
@@ -82,11 +81,10 @@ struct Scragging : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct RateDependentStrength : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "rate_dep_strength";
-  static constexpr std::string_view kTitle = "strength that grows with velocity";
-  static constexpr std::string_view kEquation =
-      "Q = Q_0 f,  k = k_0 f^s,  f = 1 + r ln(1 + |v|/v_0)";
-  static constexpr std::string_view kSource = "logarithmic rate law; Robinson 1982 for lead";
+  static constexpr Text kName = "rate_dep_strength";
+  static constexpr Text kTitle = "strength that grows with velocity";
+  static constexpr Text kEquation = "Q = Q_0 f,  k = k_0 f^s,  f = 1 + r ln(1 + |v|/v_0)";
+  static constexpr Text kSource = "logarithmic rate law; Robinson 1982 for lead";
   enum { kCoefficient, kVelocity, kElasticShare };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", 0, 10, 0, 0.05},
                                               {"reference_velocity", "m/s", 1e-8, 10, 0.05, 0.05},
@@ -101,12 +99,10 @@ struct RateDependentStrength : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct AgeingTemperature : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "ageing_temperature";
-  static constexpr std::string_view kTitle = "ageing and ambient temperature";
-  static constexpr std::string_view kEquation =
-      "K = K_0 (1 + a_K) exp(-k_K T),  Q = Q_0 (1 + a_Q) exp(-k_Q T)";
-  static constexpr std::string_view kSource =
-      "property modification factors, Constantinou et al. 2007";
+  static constexpr Text kName = "ageing_temperature";
+  static constexpr Text kTitle = "ageing and ambient temperature";
+  static constexpr Text kEquation = "K = K_0 (1 + a_K) exp(-k_K T),  Q = Q_0 (1 + a_Q) exp(-k_Q T)";
+  static constexpr Text kSource = "property modification factors, Constantinou et al. 2007";
   enum { kStiffnessAgeing, kStrengthAgeing, kStiffnessFall, kStrengthFall };
   static constexpr Parameter kParameters[] = {{"stiffness_ageing", "-", -0.9, 10, 0, 0.1},
                                               {"strength_ageing", "-", -0.9, 10, 0, 0.05},

@@ -14,10 +14,10 @@ void add(Quantities<Real>& q, const Plane<Real>& force) {
 }
 
 struct LargeStrainStiffening : Acts<Stage::Restoring, kFrameIndifferent> {
-  static constexpr std::string_view kName = "large_strain_stiffening";
-  static constexpr std::string_view kTitle = "stiffening at large strain";
-  static constexpr std::string_view kEquation = "F = k_h max(0, |u| - u_h) u/|u|";
-  static constexpr std::string_view kSource = "bilinear envelope of natural rubber";
+  static constexpr Text kName = "large_strain_stiffening";
+  static constexpr Text kTitle = "stiffening at large strain";
+  static constexpr Text kEquation = "F = k_h max(0, |u| - u_h) u/|u|";
+  static constexpr Text kSource = "bilinear envelope of natural rubber";
   enum { kStiffness, kOnset };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 2e6},
                                               {"onset", "m", 0, 10, 0.1, 0.1}};
@@ -32,10 +32,10 @@ struct LargeStrainStiffening : Acts<Stage::Restoring, kFrameIndifferent> {
 };
 
 struct CubicStiffness : Acts<Stage::Restoring, kFrameIndifferent> {
-  static constexpr std::string_view kName = "cubic_stiffness";
-  static constexpr std::string_view kTitle = "cubic stiffness";
-  static constexpr std::string_view kEquation = "F = k_3 |u|^2 u";
-  static constexpr std::string_view kSource = "next odd term of an isotropic elastic law";
+  static constexpr Text kName = "cubic_stiffness";
+  static constexpr Text kTitle = "cubic stiffness";
+  static constexpr Text kEquation = "F = k_3 |u|^2 u";
+  static constexpr Text kSource = "next odd term of an isotropic elastic law";
   enum { kStiffness };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m3", -1e20, 1e20, 0, 2e7}};
 
@@ -47,26 +47,23 @@ struct CubicStiffness : Acts<Stage::Restoring, kFrameIndifferent> {
 };
 
 struct AsymmetricStiffness : Acts<Stage::Restoring, kPerAxis> {
-  static constexpr std::string_view kName = "asymmetric_stiffness";
-  static constexpr std::string_view kTitle = "stiffness that differs by direction";
-  static constexpr std::string_view kEquation = "F = k_2 u^2 on each axis";
-  static constexpr std::string_view kSource = "first even term of an elastic law";
+  static constexpr Text kName = "asymmetric_stiffness";
+  static constexpr Text kTitle = "stiffness that differs by direction";
+  static constexpr Text kEquation = "F = k_2 u^2 on each axis";
+  static constexpr Text kSource = "first even term of an elastic law";
   enum { kStiffness };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m2", -1e18, 1e18, 0, 1e6}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      q.force[axis] += term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return term.parameters[kStiffness] * q.displacement[axis] * q.displacement[axis];
   }
 };
 
 struct PDelta : Acts<Stage::Restoring, kFrameIndifferent> {
-  static constexpr std::string_view kName = "p_delta";
-  static constexpr std::string_view kTitle = "P-delta force";
-  static constexpr std::string_view kEquation = "F = k_L N u/h,  k_L < 0 pushes outwards";
-  static constexpr std::string_view kSource = "equilibrium in the displaced position";
+  static constexpr Text kName = "p_delta";
+  static constexpr Text kTitle = "P-delta force";
+  static constexpr Text kEquation = "F = k_L N u/h,  k_L < 0 pushes outwards";
+  static constexpr Text kSource = "equilibrium in the displaced position";
   enum { kCoefficient, kHeight };
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, -0.05},
                                               {"height", "m", 1e-3, 100, 0.37, 0.37}};
@@ -79,10 +76,10 @@ struct PDelta : Acts<Stage::Restoring, kFrameIndifferent> {
 };
 
 struct ViscoelasticRelaxation : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "viscoelastic_relaxation";
-  static constexpr std::string_view kTitle = "viscoelastic relaxation (Maxwell branch)";
-  static constexpr std::string_view kEquation = "dF/dt = k du/dt - F/tau";
-  static constexpr std::string_view kSource = "Maxwell 1867; exact for u linear within a step";
+  static constexpr Text kName = "viscoelastic_relaxation";
+  static constexpr Text kTitle = "viscoelastic relaxation (Maxwell branch)";
+  static constexpr Text kEquation = "dF/dt = k du/dt - F/tau";
+  static constexpr Text kSource = "Maxwell 1867; exact for u linear within a step";
   enum { kStiffness, kTime };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1e6},
                                               {"relaxation_time", "s", 1e-3, 1e4, 1, 1}};
@@ -103,10 +100,10 @@ struct ViscoelasticRelaxation : Acts<Stage::Restoring, kDissipative | kFrameIndi
 };
 
 struct ViscousDamping : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "viscous_damping";
-  static constexpr std::string_view kTitle = "viscous damping of the bearing";
-  static constexpr std::string_view kEquation = "F = c v";
-  static constexpr std::string_view kSource = "Newton's law";
+  static constexpr Text kName = "viscous_damping";
+  static constexpr Text kTitle = "viscous damping of the bearing";
+  static constexpr Text kEquation = "F = c v";
+  static constexpr Text kSource = "Newton's law";
   enum { kDamping };
   static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e13, 0, 1e5}};
 

@@ -9,11 +9,11 @@ namespace rths::sim {
 namespace {
 
 struct BucklingLoadVariation : Acts<Stage::Vertical, kFrameIndifferent> {
-  static constexpr std::string_view kName = "buckling_load_variation";
-  static constexpr std::string_view kTitle = "buckling load reduced by displacement (overlap area)";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "buckling_load_variation";
+  static constexpr Text kTitle = "buckling load reduced by displacement (overlap area)";
+  static constexpr Text kEquation =
       "P_cr = P_cr0 max((delta - sin delta)/pi, residual),  delta = 2 acos(|u|/D_2)";
-  static constexpr std::string_view kSource = "Warn & Whittaker 2006, as in Kumar et al. 2014";
+  static constexpr Text kSource = "Warn & Whittaker 2006, as in Kumar et al. 2014";
   enum { kCriticalLoad, kDiameter, kResidual };
   static constexpr Parameter kParameters[] = {
       {"critical_load", "N", 0, 1e12, 0, 5e7},  // 0: none
@@ -39,10 +39,10 @@ struct BucklingLoadVariation : Acts<Stage::Vertical, kFrameIndifferent> {
 };
 
 struct VerticalStiffnessVariation : Acts<Stage::Vertical, kFrameIndifferent> {
-  static constexpr std::string_view kName = "vertical_stiffness_variation";
-  static constexpr std::string_view kTitle = "vertical stiffness that falls with displacement";
-  static constexpr std::string_view kEquation = "K_v = K_v0 / (1 + (3/pi^2) (|u|/r_g)^2)";
-  static constexpr std::string_view kSource = "Warn, Whittaker & Constantinou 2007";
+  static constexpr Text kName = "vertical_stiffness_variation";
+  static constexpr Text kTitle = "vertical stiffness that falls with displacement";
+  static constexpr Text kEquation = "K_v = K_v0 / (1 + (3/pi^2) (|u|/r_g)^2)";
+  static constexpr Text kSource = "Warn, Whittaker & Constantinou 2007";
   enum { kRadiusOfGyration };
   static constexpr Parameter kParameters[] = {
       {"radius_of_gyration", "m", 0, 10, 0, 0.35}};  // 0: none
@@ -58,12 +58,12 @@ struct VerticalStiffnessVariation : Acts<Stage::Vertical, kFrameIndifferent> {
 };
 
 struct ElastomericAxial : Acts<Stage::Vertical, kFrameIndifferent> {
-  static constexpr std::string_view kName = "elastomeric_axial";
-  static constexpr std::string_view kTitle = "axial law with cavitation and buckling";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "elastomeric_axial";
+  static constexpr Text kTitle = "axial law with cavitation and buckling";
+  static constexpr Text kEquation =
       "N = -K_v w - c dw/dt;  w > F_c/K_v: -F_c (1 + (1 - exp(-k_c (w - u_c)))/(k_c T_r)), "
       "lower after damage;  N > P_cr: slope times ratio";
-  static constexpr std::string_view kSource = "Gent 1990; Kumar, Whittaker & Constantinou 2014";
+  static constexpr Text kSource = "Gent 1990; Kumar, Whittaker & Constantinou 2014";
   enum { kStiffness, kDamping, kCavitation, kDecay, kThickness, kDamage, kDamageRate, kBuckled };
   static constexpr Parameter kParameters[] = {
       {"vertical_stiffness", "N/m", 0, 1e12, 0, 5e9},  // 0: the axial load is unchanged

@@ -11,13 +11,12 @@ namespace {
 // The device is attached to a slipping anchor p. Its deflection y = u - p is bounded by the play
 // and the elastic length. The force is a function of y, so the solution is exact.
 struct AsymmetricHysteresis : Acts<Stage::Restoring, kDissipative | kPerAxis> {
-  static constexpr std::string_view kName = "asymmetric_hysteresis";
-  static constexpr std::string_view kTitle = "asymmetric friction of a device with play";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "asymmetric_hysteresis";
+  static constexpr Text kTitle = "asymmetric friction of a device with play";
+  static constexpr Text kEquation =
       "F = F_+ (y - g/2)/L_+ for y > g/2, F_- (y + g/2)/L_- for y < -g/2, else 0,  "
       "dy = du within -L_- - g/2 ... L_+ + g/2";
-  static constexpr std::string_view kSource =
-      "stop operator, Visintin 1994; the play before it is ours";
+  static constexpr Text kSource = "stop operator, Visintin 1994; the play before it is ours";
   enum { kForward, kBackward, kForwardLength, kBackwardLength, kPlay };
   static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1e5},
                                               {"backward_force", "N", 0, 1e9, 0, 1.5e5},
@@ -54,11 +53,11 @@ constexpr std::size_t kElements = 4;
 
 // Not dissipative: negative forces return work.
 struct HysteresisShape : Acts<Stage::Restoring, kFrameIndifferent> {
-  static constexpr std::string_view kName = "hysteresis_shape";
-  static constexpr std::string_view kTitle = "shape of the loop (model form)";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "hysteresis_shape";
+  static constexpr Text kTitle = "shape of the loop (model form)";
+  static constexpr Text kEquation =
       "F = sum_k q_k h_k,  dh_k = (du - h_k |du|) / L_k,  L_k = L (1, 10/3, 65/6, 37.5)";
-  static constexpr std::string_view kSource = "Dahl 1968 for two directions; the sum is ours";
+  static constexpr Text kSource = "Dahl 1968 for two directions; the sum is ours";
   enum { kLength, kForce };
   static constexpr Parameter kParameters[] = {{"length", "m", 1e-7, 1, 1.2e-3, 1.2e-3},
                                               {"force_1", "N", -1e9, 1e9, 0, 2e4},
@@ -90,12 +89,12 @@ struct HysteresisShape : Acts<Stage::Restoring, kFrameIndifferent> {
 };
 
 struct Degradation : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "degradation";
-  static constexpr std::string_view kTitle = "strength and stiffness lost with dissipated work";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "degradation";
+  static constexpr Text kTitle = "strength and stiffness lost with dissipated work";
+  static constexpr Text kEquation =
       "Q_d -> Q_d f,  k -> k f^s,  f = 1 / (1 + d_Q W),  K_d -> K_d / (1 + d_K W),  W = int F_h . "
       "du";
-  static constexpr std::string_view kSource = "Baber & Wen 1981";
+  static constexpr Text kSource = "Baber & Wen 1981";
   enum { kStrengthLoss, kStiffnessLoss, kElasticShare };
   static constexpr Parameter kParameters[] = {{"strength_loss", "1/J", 0, 1e6, 0, 1e-7},
                                               {"stiffness_loss", "1/J", 0, 1e6, 0, 1e-7},
@@ -115,11 +114,11 @@ struct Degradation : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct Bilinear : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "bilinear";
-  static constexpr std::string_view kTitle = "bilinear hysteresis";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "bilinear";
+  static constexpr Text kTitle = "bilinear hysteresis";
+  static constexpr Text kEquation =
       "F = K_d u + Q_d z,  dz = du/u_y within |z| < 1, radial return to |z| = 1";
-  static constexpr std::string_view kSource = "Simo & Hughes 1998, chapter 1, in the plane";
+  static constexpr Text kSource = "Simo & Hughes 1998, chapter 1, in the plane";
   enum { kStrength, kStiffness, kYieldDisplacement };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
@@ -166,12 +165,12 @@ constexpr Share share_of(std::size_t slider) {
 }
 
 struct Iwan : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "iwan";
-  static constexpr std::string_view kTitle = "Masing hysteresis with a spline backbone";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "iwan";
+  static constexpr Text kTitle = "Masing hysteresis with a spline backbone";
+  static constexpr Text kEquation =
       "F = K_d u + sum_j Q_j z_j,  dz_j = du/r_j within |z_j| < 1, radial return to |z_j| = 1,  "
       "Q_j = sum_k q_k hat_k(log r_j)";
-  static constexpr std::string_view kSource =
+  static constexpr Text kSource =
       "Iwan 1966 (parallel sliders), monotone concave spline after Meyer 2008";
   enum { kStiffness, kReach, kStrength };
   static constexpr Parameter kParameters[] = {{"post_yield_stiffness", "N/m", 0, 1e12, 0, 4e6},

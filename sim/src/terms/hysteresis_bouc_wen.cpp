@@ -100,13 +100,12 @@ void into_unit_square(Plane<Real>& z) {
 
 // Dissipative at every beta: unloading is never softer than loading.
 struct BoucWen : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "bouc_wen";
-  static constexpr std::string_view kTitle = "Bouc-Wen hysteresis with post-yield stiffness";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "bouc_wen";
+  static constexpr Text kTitle = "Bouc-Wen hysteresis with post-yield stiffness";
+  static constexpr Text kEquation =
       "F = K_d u + Q_d z,  dz_i = (du_i - z_i r_i^(eta-2) w_i (gamma + beta sgn(w_i))) / u_y,  "
       "r_i^2 = z_i^2 + c z_j^2,  w_i = z_i du_i + c z_j du_j,  gamma = 1 - beta";
-  static constexpr std::string_view kSource =
-      "Park, Wen & Ang 1986, rotation-invariant form at coupling c = 1";
+  static constexpr Text kSource = "Park, Wen & Ang 1986, rotation-invariant form at coupling c = 1";
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kCoupling };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},
@@ -159,12 +158,12 @@ struct BoucWen : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
 };
 
 struct BoucWenNagarajaiah : Acts<Stage::Restoring, kDissipative> {
-  static constexpr std::string_view kName = "bouc_wen_nagarajaiah";
-  static constexpr std::string_view kTitle = "Bouc-Wen hysteresis with the sign of each axis";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "bouc_wen_nagarajaiah";
+  static constexpr Text kTitle = "Bouc-Wen hysteresis with the sign of each axis";
+  static constexpr Text kEquation =
       "F = K_d u + Q_d z,  dz = (du - z sum_i z_i du_i (gamma + beta sgn(z_i du_i))) / u_y,  "
       "gamma = 1 - beta";
-  static constexpr std::string_view kSource =
+  static constexpr Text kSource =
       "Nagarajaiah, Reinhorn & Constantinou 1991; not the same in all directions";
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta };
   static constexpr Parameter kParameters[] = {
@@ -199,12 +198,12 @@ struct BoucWenNagarajaiah : Acts<Stage::Restoring, kDissipative> {
 };
 
 struct BoucWenSlip : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "bouc_wen_slip";
-  static constexpr std::string_view kTitle = "Bouc-Wen hysteresis with slip (pinching)";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "bouc_wen_slip";
+  static constexpr Text kTitle = "Bouc-Wen hysteresis with slip (pinching)";
+  static constexpr Text kEquation =
       "F = K_d u + Q_d z,  u = u_1 + u_2,  dz of du_1 as bouc_wen,  du_2 = a f(|z|) dz,  "
       "f(z) = sqrt(2/pi)/sigma exp(-z^2/(2 sigma^2))";
-  static constexpr std::string_view kSource = "Baber & Noori 1985 (slip-lock), for two directions";
+  static constexpr Text kSource = "Baber & Noori 1985 (slip-lock), for two directions";
   enum { kStrength, kStiffness, kYieldDisplacement, kBeta, kEta, kSlip, kSigma };
   static constexpr Parameter kParameters[] = {
       {"characteristic_strength", "N", 0, 1e9, 0, 1e6},

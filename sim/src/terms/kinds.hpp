@@ -7,16 +7,20 @@
 
 namespace rths::sim {
 
+using Text = std::string_view;
+
 // A term is a struct with its description as constants and its physics as a template over the
 // number type:
 //     struct CoulombFriction : Acts<Stage::Machine, kDissipative | kPerAxis> {
-//       static constexpr std::string_view kName = "coulomb_friction", kTitle, kEquation, kSource;
+//       static constexpr Text kName = "coulomb_friction", kTitle, kEquation, kSource;
 //       enum { kForce, kPresliding };                        // indices into
 //       static constexpr Parameter kParameters[] = {…};      // its parameters
 //       static constexpr std::size_t kStates = 2;            // or size(const TermSetup&)
 //       static void prepare(const TermSetup&, std::span<double> constants);  // if it has constants
 //       template <class Real>
 //       static void step(const TermView<Real>& term, Quantities<Real>& q);
+//       // or the force that it adds on each axis on which it acts:
+//       static auto force(const auto& term, const auto& q, std::size_t axis);
 //     };
 
 /// Stage and traits of a term.
@@ -41,9 +45,20 @@ void prepare_of(const TermSetup& setup, std::span<double> constants) {
   if constexpr (requires { Term::prepare(setup, constants); }) Term::prepare(setup, constants);
 }
 
+/// Calls `act(axis)` for each horizontal axis that the term acts on, long first.   @realtime
+template <class Real, class Act>
+void for_each_active_axis(const TermView<Real>& term, Act act) {
+  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+    if (term.acts_on(axis)) act(axis);
+}
+
 template <class Term, class Real>
 void step_of(const TermView<Real>& term, Quantities<Real>& q) noexcept {
-  Term::step(term, q);
+  if constexpr (requires { Term::force(term, q, std::size_t{}); })
+    for_each_active_axis(term,
+                         [&](std::size_t axis) { q.force[axis] += Term::force(term, q, axis); });
+  else
+    Term::step(term, q);
 }
 
 template <class Term>
@@ -57,13 +72,6 @@ template <class... Terms>
 std::span<const TermKind> kinds_of() {
   static constexpr TermKind kKinds[] = {kind_of<Terms>()...};
   return kKinds;
-}
-
-/// Calls `act(axis)` for each horizontal axis that the term acts on, long first.   @realtime
-template <class Real, class Act>
-void for_each_active_axis(const TermView<Real>& term, Act act) {
-  for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
-    if (term.acts_on(axis)) act(axis);
 }
 
 /// x within ±limit.

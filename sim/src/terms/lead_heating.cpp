@@ -15,11 +15,11 @@ namespace rths::sim {
 namespace {
 
 struct AdiabaticHeating : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "adiabatic_heating";
-  static constexpr std::string_view kTitle = "strength that falls with dissipated work";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "adiabatic_heating";
+  static constexpr Text kTitle = "strength that falls with dissipated work";
+  static constexpr Text kEquation =
       "Q = Q_0 exp(-b W),  k = k_0 exp(-s b W),  dW/dt = F_h.v - W/t_c";
-  static constexpr std::string_view kSource = "Kalpakidis & Constantinou 2009, without conduction";
+  static constexpr Text kSource = "Kalpakidis & Constantinou 2009, without conduction";
   enum { kSoftening, kCoolingTime, kElasticShare };
   static constexpr Parameter kParameters[] = {{"softening", "1/J", 0, 1e6, 0, 1.2e-7},
                                               {"cooling_time", "s", 1e-2, 1e12, 1e12, 100},
@@ -76,12 +76,12 @@ double disc_factor(double s) {
 }
 
 struct LeadHeating : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "lead_heating";
-  static constexpr std::string_view kTitle = "lead-core heating";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "lead_heating";
+  static constexpr Text kTitle = "lead-core heating";
+  static constexpr Text kEquation =
       "Q = Q_0 exp(-c T),  C h dT/dt = F_h.v/(pi a^2) - q_ends - (t_s/a) q_shims;  "
       "T = each flux convolved with the rate of its face's step response";
-  static constexpr std::string_view kSource =
+  static constexpr Text kSource =
       "Kalpakidis & Constantinou 2009; Duhamel's integral for any history";
   enum {
     kSoftening,

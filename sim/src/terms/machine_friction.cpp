@@ -7,73 +7,63 @@ namespace rths::sim {
 namespace {
 
 struct CoulombFriction : Acts<Stage::Machine, kDissipative | kPerAxis> {
-  static constexpr std::string_view kName = "coulomb_friction";
-  static constexpr std::string_view kTitle = "Coulomb friction with presliding";
-  static constexpr std::string_view kEquation = "F = F_c s,  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource = kDahl;
+  static constexpr Text kName = "coulomb_friction";
+  static constexpr Text kTitle = "Coulomb friction with presliding";
+  static constexpr Text kEquation = "F = F_c s,  ds = (du - s |du|) / z_s";
+  static constexpr Text kSource = kDahl;
   enum { kForce, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      q.force[axis] +=
-          term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]);
   }
 };
 
 struct AsymmetricFriction : Acts<Stage::Machine, kDissipative | kPerAxis> {
-  static constexpr std::string_view kName = "asymmetric_friction";
-  static constexpr std::string_view kTitle = "Coulomb friction that differs forwards and backwards";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "asymmetric_friction";
+  static constexpr Text kTitle = "Coulomb friction that differs forwards and backwards";
+  static constexpr Text kEquation =
       "F = F_+ s for s > 0, F_- s for s < 0,  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource = kDahl;
+  static constexpr Text kSource = kDahl;
   enum { kForward, kBackward, kPresliding };
   static constexpr Parameter kParameters[] = {{"forward_force", "N", 0, 1e9, 0, 1.2e4},
                                               {"backward_force", "N", 0, 1e9, 0, 0.8e4},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      const Real& s = presliding(term, q, axis, term.parameters[kPresliding]);
-      q.force[axis] += term.parameters[s > 0 ? kForward : kBackward] * s;
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    const auto& s = presliding(term, q, axis, term.parameters[kPresliding]);
+    return term.parameters[s > 0 ? kForward : kBackward] * s;
   }
 };
 
 // Not dissipative: presliding built up under low load returns more work.
 struct LoadDependentFriction : Acts<Stage::Machine, kPerAxis> {
-  static constexpr std::string_view kName = "load_dependent_friction";
-  static constexpr std::string_view kTitle = "friction proportional to the vertical force";
-  static constexpr std::string_view kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource = kDahl;
+  static constexpr Text kName = "load_dependent_friction";
+  static constexpr Text kTitle = "friction proportional to the vertical force";
+  static constexpr Text kEquation = "F = mu max(N, 0) s,  ds = (du - s |du|) / z_s";
+  static constexpr Text kSource = kDahl;
   enum { kCoefficient, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 2e-3},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
   template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+  static Real force(const TermView<Real>& term, const Quantities<Real>& q, std::size_t axis) {
     const Real load = q.axial_load > 0 ? q.axial_load : Real{0};
-    for_each_active_axis(term, [&](std::size_t axis) {
-      q.force[axis] += term.parameters[kCoefficient] * load *
-                       presliding(term, q, axis, term.parameters[kPresliding]);
-    });
+    return term.parameters[kCoefficient] * load *
+           presliding(term, q, axis, term.parameters[kPresliding]);
   }
 };
 
 // Not dissipative: presliding may return work of the breakaway.
 struct StribeckFriction : Acts<Stage::Machine, kPerAxis> {
-  static constexpr std::string_view kName = "stribeck_friction";
-  static constexpr std::string_view kTitle = "Coulomb friction with breakaway";
-  static constexpr std::string_view kEquation =
-      "F = (F_c + dF_s exp(-(v/v_s)^2)) s,  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource = "Armstrong-Helouvry, Dupont & Canudas de Wit 1994";
+  static constexpr Text kName = "stribeck_friction";
+  static constexpr Text kTitle = "Coulomb friction with breakaway";
+  static constexpr Text kEquation = "F = (F_c + dF_s exp(-(v/v_s)^2)) s,  ds = (du - s |du|) / z_s";
+  static constexpr Text kSource = "Armstrong-Helouvry, Dupont & Canudas de Wit 1994";
   enum { kForce, kBreakaway, kVelocity, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               {"breakaway_force", "N", 0, 1e9, 0, 1e4},
@@ -81,24 +71,20 @@ struct StribeckFriction : Acts<Stage::Machine, kPerAxis> {
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      const Real ratio = q.velocity[axis] / term.parameters[kVelocity];
-      const Real level =
-          term.parameters[kForce] + term.parameters[kBreakaway] * exp(-(ratio * ratio));
-      q.force[axis] += level * presliding(term, q, axis, term.parameters[kPresliding]);
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    const auto ratio = q.velocity[axis] / term.parameters[kVelocity];
+    const auto level =
+        term.parameters[kForce] + term.parameters[kBreakaway] * exp(-(ratio * ratio));
+    return level * presliding(term, q, axis, term.parameters[kPresliding]);
   }
 };
 
 // Not dissipative: s builds up and is released at different displacements.
 struct PositionDependentFriction : Acts<Stage::Machine, kPerAxis> {
-  static constexpr std::string_view kName = "position_dependent_friction";
-  static constexpr std::string_view kTitle = "local friction (rub)";
-  static constexpr std::string_view kEquation =
-      "F = F_r exp(-((u - u_r)/w)^2) s,  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the bell is ours";
+  static constexpr Text kName = "position_dependent_friction";
+  static constexpr Text kTitle = "local friction (rub)";
+  static constexpr Text kEquation = "F = F_r exp(-((u - u_r)/w)^2) s,  ds = (du - s |du|) / z_s";
+  static constexpr Text kSource = "Dahl 1968, exponent 1; the bell is ours";
   enum { kForce, kPlace, kWidth, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 2e4},
                                               {"place", "m", -10, 10, 0, 0.05},
@@ -106,46 +92,38 @@ struct PositionDependentFriction : Acts<Stage::Machine, kPerAxis> {
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      const Real off = (q.displacement[axis] - term.parameters[kPlace]) / term.parameters[kWidth];
-      q.force[axis] += term.parameters[kForce] * exp(-(off * off)) *
-                       presliding(term, q, axis, term.parameters[kPresliding]);
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    const auto off = (q.displacement[axis] - term.parameters[kPlace]) / term.parameters[kWidth];
+    return term.parameters[kForce] * exp(-(off * off)) *
+           presliding(term, q, axis, term.parameters[kPresliding]);
   }
 };
 
 // Not dissipative: s builds up and is released at different velocities.
 struct VelocityDependentFriction : Acts<Stage::Machine, kPerAxis> {
-  static constexpr std::string_view kName = "velocity_dependent_friction";
-  static constexpr std::string_view kTitle = "friction that grows smoothly with velocity";
-  static constexpr std::string_view kEquation =
-      "F = F_v s |v|/(|v| + v_g),  ds = (du - s |du|) / z_s";
-  static constexpr std::string_view kSource = "Dahl 1968, exponent 1; the growth is ours";
+  static constexpr Text kName = "velocity_dependent_friction";
+  static constexpr Text kTitle = "friction that grows smoothly with velocity";
+  static constexpr Text kEquation = "F = F_v s |v|/(|v| + v_g),  ds = (du - s |du|) / z_s";
+  static constexpr Text kSource = "Dahl 1968, exponent 1; the growth is ours";
   enum { kForce, kVelocity, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               {"growth_velocity", "m/s", 1e-8, 100, 0.05, 0.05},
                                               kPreslidingLength};
   static constexpr std::size_t kStates = kDahlStates;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      const Real speed = abs(q.velocity[axis]);
-      q.force[axis] += term.parameters[kForce] *
-                       presliding(term, q, axis, term.parameters[kPresliding]) *
-                       (speed / (speed + term.parameters[kVelocity]));
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    const auto speed = abs(q.velocity[axis]);
+    return term.parameters[kForce] * presliding(term, q, axis, term.parameters[kPresliding]) *
+           (speed / (speed + term.parameters[kVelocity]));
   }
 };
 
 // Its store z_s F_c |s|^2/2 grows by F.du - F_c |s|^2 |du|.
 struct PlanarFriction : Acts<Stage::Machine, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "planar_friction";
-  static constexpr std::string_view kTitle = "Coulomb friction in the plane with presliding";
-  static constexpr std::string_view kEquation = "F = F_c s,  ds = (du - s |du|) / z_s  (vectors)";
-  static constexpr std::string_view kSource = "Dahl 1968, exponent 1, for two directions";
+  static constexpr Text kName = "planar_friction";
+  static constexpr Text kTitle = "Coulomb friction in the plane with presliding";
+  static constexpr Text kEquation = "F = F_c s,  ds = (du - s |du|) / z_s  (vectors)";
+  static constexpr Text kSource = "Dahl 1968, exponent 1, for two directions";
   enum { kForce, kPresliding };
   static constexpr Parameter kParameters[] = {{"friction_force", "N", 0, 1e9, 0, 1e4},
                                               kPreslidingLength};

@@ -10,10 +10,10 @@ namespace {
 constexpr std::string_view kMountSource = "textbook; solution: docs/theory/machine_terms.md";
 
 struct SupportFlexibility : Acts<Stage::Motion, kPerAxis | kMount> {
-  static constexpr std::string_view kName = "support_flexibility";
-  static constexpr std::string_view kTitle = "flexibility of the specimen's support";
-  static constexpr std::string_view kEquation = "u_specimen = u - chi F";
-  static constexpr std::string_view kSource = kMountSource;
+  static constexpr Text kName = "support_flexibility";
+  static constexpr Text kTitle = "flexibility of the specimen's support";
+  static constexpr Text kEquation = "u_specimen = u - chi F";
+  static constexpr Text kSource = kMountSource;
   enum { kFlexibility, kStiffness };
   static constexpr Parameter kParameters[] = {{"flexibility", "m/N", 0, 1e3, 0, 2e-9},
                                               kStiffnessEstimate};
@@ -31,10 +31,10 @@ struct SupportFlexibility : Acts<Stage::Motion, kPerAxis | kMount> {
 };
 
 struct MountSlack : Acts<Stage::Motion, kPerAxis | kMount> {
-  static constexpr std::string_view kName = "mount_slack";
-  static constexpr std::string_view kTitle = "slack in the specimen's mount";
-  static constexpr std::string_view kEquation = "u_specimen = u - (g/2) clip(F/F_seat, 1)";
-  static constexpr std::string_view kSource = kMountSource;
+  static constexpr Text kName = "mount_slack";
+  static constexpr Text kTitle = "slack in the specimen's mount";
+  static constexpr Text kEquation = "u_specimen = u - (g/2) clip(F/F_seat, 1)";
+  static constexpr Text kSource = kMountSource;
   enum { kSlack, kSeat, kStiffness };
   static constexpr Parameter kParameters[] = {{"slack", "m", 0, 10, 0, 2e-3},
                                               {"seating_force", "N", 1e-6, 1e9, 1e5, 1e5},
@@ -53,10 +53,10 @@ struct MountSlack : Acts<Stage::Motion, kPerAxis | kMount> {
 };
 
 struct TransducerBacklash : Acts<Stage::Motion, kPerAxis> {
-  static constexpr std::string_view kName = "transducer_backlash";
-  static constexpr std::string_view kTitle = "backlash between transducer and specimen";
-  static constexpr std::string_view kEquation = "u_specimen: play of u, moved only beyond +-g/2";
-  static constexpr std::string_view kSource = "Krasnosel'skii & Pokrovskii 1989 (play operator)";
+  static constexpr Text kName = "transducer_backlash";
+  static constexpr Text kTitle = "backlash between transducer and specimen";
+  static constexpr Text kEquation = "u_specimen: play of u, moved only beyond +-g/2";
+  static constexpr Text kSource = "Krasnosel'skii & Pokrovskii 1989 (play operator)";
   enum { kGap };
   static constexpr Parameter kParameters[] = {{"gap", "m", 0, 10, 0, 2e-3}};
   static constexpr std::size_t kStates = kHorizontalAxes;
@@ -79,10 +79,10 @@ struct TransducerBacklash : Acts<Stage::Motion, kPerAxis> {
 };
 
 struct InputDeadZone : Acts<Stage::Motion, kPerAxis> {
-  static constexpr std::string_view kName = "input_dead_zone";
-  static constexpr std::string_view kTitle = "dead zone between platen and specimen";
-  static constexpr std::string_view kEquation = "u_specimen = u - clip(u, d)";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kName = "input_dead_zone";
+  static constexpr Text kTitle = "dead zone between platen and specimen";
+  static constexpr Text kEquation = "u_specimen = u - clip(u, d)";
+  static constexpr Text kSource = "textbook";
   enum { kHalfWidth };
   static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 10, 0, 5e-3}};
 

@@ -12,9 +12,12 @@ namespace {
 
 constexpr std::size_t kKnots = kEvenKnots.size();
 
-// The value between knots, linear; beyond the outer knots, constant.
+// The value between knots, linear; beyond the outer knots, constant. `table`: the range of x, then
+// the values at the knots.
 template <class Real>
-Real interpolated(const Real* values, const std::array<double, kKnots>& knots, const Real& x) {
+Real interpolated(const Real* table, const std::array<double, kKnots>& knots, const Real& at) {
+  const Real* values = table + 1;
+  const Real x = at / table[0];
   if (x <= knots[0]) return values[0];
   for (std::size_t i = 1; i < kKnots; ++i)
     if (x <= knots[i]) {
@@ -40,47 +43,39 @@ constexpr auto kForceOverVelocity = table_of("m/s", 1000, "N");
 constexpr auto kCoefficientOverDisplacement = table_of("m", 10, "N*s/m");
 
 struct TabulatedSpring : Acts<Stage::Restoring, kPerAxis> {
-  static constexpr std::string_view kName = "tabulated_stiffness";
-  static constexpr std::string_view kTitle = "force given by a table of the displacement";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "tabulated_stiffness";
+  static constexpr Text kTitle = "force given by a table of the displacement";
+  static constexpr Text kEquation =
       "F = f(u), linear between 9 knots at -1, -3/4 ... 1 times the range, constant beyond";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kSource = "textbook";
   static constexpr auto& kParameters = kForceOverDisplacement;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      q.force[axis] += interpolated(term.parameters + 1, kEvenKnots,
-                                    Real{q.displacement[axis] / term.parameters[0]});
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return interpolated(term.parameters, kEvenKnots, q.displacement[axis]);
   }
 };
 
 struct TabulatedDamper : Acts<Stage::Restoring, kPerAxis> {
-  static constexpr std::string_view kName = "tabulated_damping";
-  static constexpr std::string_view kTitle = "force given by a table of the velocity";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "tabulated_damping";
+  static constexpr Text kTitle = "force given by a table of the velocity";
+  static constexpr Text kEquation =
       "F = f(v), linear between 9 knots at 0, ±0.05, ±0.2, ±0.5, ±1 times the range, constant "
       "beyond";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kSource = "textbook";
   static constexpr auto& kParameters = kForceOverVelocity;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      q.force[axis] += interpolated(term.parameters + 1, kDenseKnots,
-                                    Real{q.velocity[axis] / term.parameters[0]});
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return interpolated(term.parameters, kDenseKnots, q.velocity[axis]);
   }
 };
 
 struct TabulatedFriction : Acts<Stage::Restoring, kPerAxis> {
-  static constexpr std::string_view kName = "tabulated_friction";
-  static constexpr std::string_view kTitle = "friction given by a table of the displacement";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "tabulated_friction";
+  static constexpr Text kTitle = "friction given by a table of the displacement";
+  static constexpr Text kEquation =
       "F = g(u) tanh(v / v_0), g linear between 9 knots at -1, -3/4 ... 1 times the range, "
       "constant beyond";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kSource = "textbook";
   static constexpr auto kParameters = [] {
     std::array<Parameter, kKnots + 2> parameters{};
     for (std::size_t i = 0; i <= kKnots; ++i) parameters[i] = kForceOverDisplacement[i];
@@ -88,31 +83,22 @@ struct TabulatedFriction : Acts<Stage::Restoring, kPerAxis> {
     return parameters;
   }();
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      const Real direction = tanh(Real{q.velocity[axis] / term.parameters[kKnots + 1]});
-      q.force[axis] += direction * interpolated(term.parameters + 1, kEvenKnots,
-                                                Real{q.displacement[axis] / term.parameters[0]});
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    const auto direction = tanh(q.velocity[axis] / term.parameters[kKnots + 1]);
+    return direction * interpolated(term.parameters, kEvenKnots, q.displacement[axis]);
   }
 };
 
 struct TabulatedViscosity : Acts<Stage::Restoring, kPerAxis> {
-  static constexpr std::string_view kName = "tabulated_viscosity";
-  static constexpr std::string_view kTitle = "viscosity given by a table of the displacement";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "tabulated_viscosity";
+  static constexpr Text kTitle = "viscosity given by a table of the displacement";
+  static constexpr Text kEquation =
       "F = c(u) v, c linear between 9 knots at -1, -3/4 ... 1 times the range, constant beyond";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kSource = "textbook";
   static constexpr auto& kParameters = kCoefficientOverDisplacement;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    for_each_active_axis(term, [&](std::size_t axis) {
-      q.force[axis] +=
-          q.velocity[axis] * interpolated(term.parameters + 1, kEvenKnots,
-                                          Real{q.displacement[axis] / term.parameters[0]});
-    });
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return q.velocity[axis] * interpolated(term.parameters, kEvenKnots, q.displacement[axis]);
   }
 };
 

@@ -34,12 +34,20 @@ void change_readings(const TermView<Real>& term, Quantities<Real>& q, Change cha
 
 constexpr unsigned kSensorTraits = kPerAxis | kPerChannel;
 
+// A sensor with `Law::change(parameters, reading)`, the same for each reading.
+template <class Law, unsigned traits = kPlain>
+struct ChangesReadings : Acts<Stage::Sensor, kSensorTraits | traits> {
+  template <class Real>
+  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+    change_readings(term, q, [&](std::size_t, Real& x) { Law::change(term.parameters, x); });
+  }
+};
+
 struct CrosstalkHorizontal : Acts<Stage::Sensor, kPerChannel> {
-  static constexpr std::string_view kName = "crosstalk_horizontal";
-  static constexpr std::string_view kTitle = "crosstalk between the horizontal axes";
-  static constexpr std::string_view kEquation =
-      "y_long = x_long + c_1 x_lat,  y_lat = x_lat + c_2 x_long";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kName = "crosstalk_horizontal";
+  static constexpr Text kTitle = "crosstalk between the horizontal axes";
+  static constexpr Text kEquation = "y_long = x_long + c_1 x_lat,  y_lat = x_lat + c_2 x_long";
+  static constexpr Text kSource = "textbook";
   enum { kLatIntoLong, kLongIntoLat };
   static constexpr Parameter kParameters[] = {{"lat_into_long", "-", -1, 1, 0, 0.01},
                                               {"long_into_lat", "-", -1, 1, 0, 0.01}};
@@ -55,26 +63,24 @@ struct CrosstalkHorizontal : Acts<Stage::Sensor, kPerChannel> {
 };
 
 struct CrosstalkVertical : Acts<Stage::Sensor, kPerAxis> {
-  static constexpr std::string_view kName = "crosstalk_vertical";
-  static constexpr std::string_view kTitle = "vertical crosstalk into the horizontal load cells";
-  static constexpr std::string_view kEquation = "y = F + c (N - N_0)";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kName = "crosstalk_vertical";
+  static constexpr Text kTitle = "vertical crosstalk into the horizontal load cells";
+  static constexpr Text kEquation = "y = F + c (N - N_0)";
+  static constexpr Text kSource = "textbook";
   enum { kShare, kReference };
   static constexpr Parameter kParameters[] = {{"share", "-", -1, 1, 0, 5e-3},
                                               {"reference_load", "N", -1e9, 1e9, 0, 9.7e6}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real seen = term.parameters[kShare] * (q.axial_load - term.parameters[kReference]);
-    for_each_active_axis(term, [&](std::size_t axis) { q.force[axis] += seen; });
+  static auto force(const auto& term, const auto& q, std::size_t) {
+    return term.parameters[kShare] * (q.axial_load - term.parameters[kReference]);
   }
 };
 
 struct AccelerometerTilt : Acts<Stage::Sensor, kPerAxis> {
-  static constexpr std::string_view kName = "accelerometer_tilt";
-  static constexpr std::string_view kTitle = "tilted accelerometer";
-  static constexpr std::string_view kEquation = "y = a + g (theta_0 + theta_u u),  g = 9.80665";
-  static constexpr std::string_view kSource = "textbook, sin(theta) = theta";
+  static constexpr Text kName = "accelerometer_tilt";
+  static constexpr Text kTitle = "tilted accelerometer";
+  static constexpr Text kEquation = "y = a + g (theta_0 + theta_u u),  g = 9.80665";
+  static constexpr Text kSource = "textbook, sin(theta) = theta";
   enum { kTilt, kPerDisplacement };
   static constexpr Parameter kParameters[] = {
       {"tilt", "rad", -0.5, 0.5, 0, 0.02}, {"tilt_per_displacement", "rad/m", -1e5, 1e5, 0, 0.1}};
@@ -89,72 +95,59 @@ struct AccelerometerTilt : Acts<Stage::Sensor, kPerAxis> {
   }
 };
 
-struct SensorGain : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "gain";
-  static constexpr std::string_view kTitle = "gain error of a sensor";
-  static constexpr std::string_view kEquation = "y = g x";
-  static constexpr std::string_view kSource = "textbook";
+struct SensorGain : ChangesReadings<SensorGain> {
+  static constexpr Text kName = "gain";
+  static constexpr Text kTitle = "gain error of a sensor";
+  static constexpr Text kEquation = "y = g x";
+  static constexpr Text kSource = "textbook";
   enum { kFactor };
   static constexpr Parameter kParameters[] = {{"factor", "-", -10, 10, 1, 1.02}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    change_readings(term, q, [&](std::size_t, Real& x) { x *= term.parameters[kFactor]; });
-  }
+  static void change(const auto* p, auto& x) { x *= p[kFactor]; }
 };
 
-struct CubicDistortion : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "cubic_distortion";
-  static constexpr std::string_view kTitle = "cubic distortion of a sensor";
-  static constexpr std::string_view kEquation = "y = x (1 + c (x/x_r)^2)";
-  static constexpr std::string_view kSource = "textbook";
+struct CubicDistortion : ChangesReadings<CubicDistortion> {
+  static constexpr Text kName = "cubic_distortion";
+  static constexpr Text kTitle = "cubic distortion of a sensor";
+  static constexpr Text kEquation = "y = x (1 + c (x/x_r)^2)";
+  static constexpr Text kSource = "textbook";
   enum { kShare, kRange };
   static constexpr Parameter kParameters[] = {{"share", "-", -1, 1, 0, 0.02},
                                               {"range", kChannelUnit, 1e-9, 1e12, 1e6, 1e6}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    change_readings(term, q, [&](std::size_t, Real& x) {
-      const Real ratio = x / term.parameters[kRange];
-      x *= 1 + term.parameters[kShare] * ratio * ratio;
-    });
+  static void change(const auto* p, auto& x) {
+    const auto ratio = x / p[kRange];
+    x *= 1 + p[kShare] * ratio * ratio;
   }
 };
 
-struct AbsoluteValueSensor : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "absolute_value_sensor";
-  static constexpr std::string_view kTitle = "sensor that loses the sign";
-  static constexpr std::string_view kEquation = "y = (1 - a) x + a |x|";
-  static constexpr std::string_view kSource = "ours; a = 1: the sign is lost completely";
+struct AbsoluteValueSensor : ChangesReadings<AbsoluteValueSensor> {
+  static constexpr Text kName = "absolute_value_sensor";
+  static constexpr Text kTitle = "sensor that loses the sign";
+  static constexpr Text kEquation = "y = (1 - a) x + a |x|";
+  static constexpr Text kSource = "ours; a = 1: the sign is lost completely";
   enum { kShare };
   static constexpr Parameter kParameters[] = {{"share", "-", 0, 1, 0, 1}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    change_readings(term, q,
-                    [&](std::size_t, Real& x) { x += term.parameters[kShare] * (abs(x) - x); });
-  }
+  static void change(const auto* p, auto& x) { x += p[kShare] * (abs(x) - x); }
 };
 
-struct Offset : Acts<Stage::Sensor, kSensorTraits | kConstant> {
-  static constexpr std::string_view kName = "offset";
-  static constexpr std::string_view kTitle = "offset of a sensor";
-  static constexpr std::string_view kEquation = "y = x + d_0";
-  static constexpr std::string_view kSource = "textbook";
+struct Offset : ChangesReadings<Offset, kConstant> {
+  static constexpr Text kName = "offset";
+  static constexpr Text kTitle = "offset of a sensor";
+  static constexpr Text kEquation = "y = x + d_0";
+  static constexpr Text kSource = "textbook";
   enum { kOffset };
   static constexpr Parameter kParameters[] = {{"offset", kChannelUnit, -1e9, 1e9, 0, 2e4}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    change_readings(term, q, [&](std::size_t, Real& x) { x += term.parameters[kOffset]; });
-  }
+  static void change(const auto* p, auto& x) { x += p[kOffset]; }
 };
 
 struct Drift : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "drift";
-  static constexpr std::string_view kTitle = "drift of a sensor";
-  static constexpr std::string_view kEquation = "y = x + d_1 (t - t_0),  t_0: the first step";
-  static constexpr std::string_view kSource = "textbook";
+  static constexpr Text kName = "drift";
+  static constexpr Text kTitle = "drift of a sensor";
+  static constexpr Text kEquation = "y = x + d_1 (t - t_0),  t_0: the first step";
+  static constexpr Text kSource = "textbook";
   enum { kRate };
   static constexpr Parameter kParameters[] = {{"rate", "channel/s", -1e9, 1e9, 0, 1e4}};
   static constexpr std::size_t kStates = 2;  // started, t_0
@@ -183,10 +176,10 @@ void skew(const TermView<Real>& term, Quantities<Real>& q, Real* state, const Re
 }
 
 struct TimeSkew : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "time_skew";
-  static constexpr std::string_view kTitle = "time skew of a sensor";
-  static constexpr std::string_view kEquation = "y(t) = x(t - tau)";
-  static constexpr std::string_view kSource = "textbook; cubic interpolation";
+  static constexpr Text kName = "time_skew";
+  static constexpr Text kTitle = "time skew of a sensor";
+  static constexpr Text kEquation = "y(t) = x(t - tau)";
+  static constexpr Text kSource = "textbook; cubic interpolation";
   enum { kSkew };
   static constexpr Parameter kParameters[] = {{"skew", "s", 0, kLongestSkew, 0, 3e-3}};
 
@@ -199,11 +192,11 @@ struct TimeSkew : Acts<Stage::Sensor, kSensorTraits> {
 };
 
 struct ClockDrift : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "clock_drift";
-  static constexpr std::string_view kTitle = "clock drift of a sensor";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "clock_drift";
+  static constexpr Text kTitle = "clock drift of a sensor";
+  static constexpr Text kEquation =
       "y(t) = x(t - tau - epsilon (t - t_0)),  t_0: the first step,  0 <= age <= 0.2 s";
-  static constexpr std::string_view kSource = "textbook; cubic interpolation";
+  static constexpr Text kSource = "textbook; cubic interpolation";
   enum { kSkew, kRate };
   static constexpr Parameter kParameters[] = {{"skew", "s", 0, kLongestSkew, 0, 3e-3},
                                               {"rate", "-", -0.01, 0.01, 0, 1e-4}};
@@ -219,11 +212,10 @@ struct ClockDrift : Acts<Stage::Sensor, kSensorTraits> {
 };
 
 struct FilterLag : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "filter_lag";
-  static constexpr std::string_view kTitle = "first-order filter of a sensor";
-  static constexpr std::string_view kEquation = "T y' + y = x";
-  static constexpr std::string_view kSource =
-      "textbook, exact for x cubic through the last four samples";
+  static constexpr Text kName = "filter_lag";
+  static constexpr Text kTitle = "first-order filter of a sensor";
+  static constexpr Text kEquation = "T y' + y = x";
+  static constexpr Text kSource = "textbook, exact for x cubic through the last four samples";
   enum { kTimeConstant };
   static constexpr Parameter kParameters[] = {{"time_constant", "s", 0, 10, 0, 5e-3}};
   static constexpr std::size_t kStates = kHorizontalAxes * SmoothLag<double>::kStates;
@@ -237,53 +229,41 @@ struct FilterLag : Acts<Stage::Sensor, kSensorTraits> {
   }
 };
 
-struct SensorSaturation : Acts<Stage::Sensor, kSensorTraits> {
-  static constexpr std::string_view kName = "saturation";
-  static constexpr std::string_view kTitle = "saturation of a sensor";
-  static constexpr std::string_view kEquation = "y = clip(x, x_max)";
-  static constexpr std::string_view kSource = "textbook";
+struct SensorSaturation : ChangesReadings<SensorSaturation> {
+  static constexpr Text kName = "saturation";
+  static constexpr Text kTitle = "saturation of a sensor";
+  static constexpr Text kEquation = "y = clip(x, x_max)";
+  static constexpr Text kSource = "textbook";
   enum { kLimit };
   static constexpr Parameter kParameters[] = {{"limit", kChannelUnit, 1e-9, 1e15, 1e15, 1.2e6}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    change_readings(term, q,
-                    [&](std::size_t, Real& x) { x = clipped(x, term.parameters[kLimit]); });
-  }
+  static void change(const auto* p, auto& x) { x = clipped(x, p[kLimit]); }
 };
 
-struct Overflow : Acts<Stage::Sensor, kSensorTraits | kOverflows> {
-  static constexpr std::string_view kName = "overflow";
-  static constexpr std::string_view kTitle = "overflow of a sensor (wrap-around)";
-  static constexpr std::string_view kEquation = "y = x - 2 x_max round(x / (2 x_max))";
-  static constexpr std::string_view kSource = "two's complement";
+struct Overflow : ChangesReadings<Overflow, kOverflows> {
+  static constexpr Text kName = "overflow";
+  static constexpr Text kTitle = "overflow of a sensor (wrap-around)";
+  static constexpr Text kEquation = "y = x - 2 x_max round(x / (2 x_max))";
+  static constexpr Text kSource = "two's complement";
   enum { kLimit };
   static constexpr Parameter kParameters[] = {{"limit", kChannelUnit, 1e-9, 1e15, 1e15, 1.2e6}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real span = 2 * term.parameters[kLimit];
-    change_readings(term, q, [&](std::size_t, Real& x) {
-      x -= span * std::round(value_of(x) / value_of(span));
-    });
+  static void change(const auto* p, auto& x) {
+    const auto span = 2 * p[kLimit];
+    x -= span * std::round(value_of(x) / value_of(span));
   }
 };
 
-struct Quantisation : Acts<Stage::Sensor, kSensorTraits | kRounds> {
-  static constexpr std::string_view kName = "quantisation";
-  static constexpr std::string_view kTitle = "quantisation of a sensor";
-  static constexpr std::string_view kEquation = "y = q round(x/q)";
-  static constexpr std::string_view kSource = "textbook";
+struct Quantisation : ChangesReadings<Quantisation, kRounds> {
+  static constexpr Text kName = "quantisation";
+  static constexpr Text kTitle = "quantisation of a sensor";
+  static constexpr Text kEquation = "y = q round(x/q)";
+  static constexpr Text kSource = "textbook";
   enum { kStep };
   static constexpr Parameter kParameters[] = {{"step", kChannelUnit, 0, 1e12, 0, 5e5}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real& lattice = term.parameters[kStep];
-    if (!(lattice > 0)) return;
-    change_readings(term, q, [&](std::size_t, Real& x) {
-      x = lattice * std::round(value_of(x) / value_of(lattice));
-    });
+  static void change(const auto* p, auto& x) {
+    if (p[kStep] > 0) x = p[kStep] * std::round(value_of(x) / value_of(p[kStep]));
   }
 };
 

@@ -7,10 +7,10 @@ namespace rths::sim {
 namespace {
 
 struct PendulumLift : Acts<Stage::Vertical, kFrameIndifferent> {
-  static constexpr std::string_view kName = "pendulum_lift";
-  static constexpr std::string_view kTitle = "lift of a pendulum bearing";
-  static constexpr std::string_view kEquation = "w = w - |u|^2/(2 R),  dw/dt = dw/dt - u.v/R";
-  static constexpr std::string_view kSource = "sphere, small slopes";
+  static constexpr Text kName = "pendulum_lift";
+  static constexpr Text kTitle = "lift of a pendulum bearing";
+  static constexpr Text kEquation = "w = w - |u|^2/(2 R),  dw/dt = dw/dt - u.v/R";
+  static constexpr Text kSource = "sphere, small slopes";
   enum { kRadius };
   static constexpr Parameter kParameters[] = {{"effective_radius", "m", 0, 100, 0, 4}};  // 0: flat
 
@@ -26,13 +26,13 @@ struct PendulumLift : Acts<Stage::Vertical, kFrameIndifferent> {
 };
 
 struct MultilinearAxial : Acts<Stage::Vertical> {
-  static constexpr std::string_view kName = "multilinear_axial";
-  static constexpr std::string_view kTitle = "multilinear elastic and viscous axial spring";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "multilinear_axial";
+  static constexpr Text kTitle = "multilinear elastic and viscous axial spring";
+  static constexpr Text kEquation =
       "N += K1 e + (K2 - K1) max(0, e - e1) + (K3 - K2) max(0, e - e2) + c de/dt >= 0,  e = -w > "
       "0; "
       "K_t e in tension";
-  static constexpr std::string_view kSource = "paper's axial model; corners ours";
+  static constexpr Text kSource = "paper's axial model; corners ours";
   enum { kStiffness1, kKnee1, kStiffness2, kKnee2, kStiffness3, kTension, kDamping };
   static constexpr Parameter kParameters[] = {
       {"stiffness_1", "N/m", 0, 1e13, 0, 3e9}, {"knee_1", "m", 0, 1, 1, 1.5e-3},
@@ -72,11 +72,10 @@ Plane<Real> friction(const TermView<Real>& term, const Quantities<Real>& q, cons
 }
 
 struct FlatSlider : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "flat_slider";
-  static constexpr std::string_view kTitle = "flat slider";
-  static constexpr std::string_view kEquation = "F = k0 (u - u_p),  |F| <= mu N,  N = max(0, load)";
-  static constexpr std::string_view kSource =
-      "Constantinou, Mokha & Reinhorn 1990; step of Krieg & Krieg 1977";
+  static constexpr Text kName = "flat_slider";
+  static constexpr Text kTitle = "flat slider";
+  static constexpr Text kEquation = "F = k0 (u - u_p),  |F| <= mu N,  N = max(0, load)";
+  static constexpr Text kSource = "Constantinou, Mokha & Reinhorn 1990; step of Krieg & Krieg 1977";
   enum { kCoefficient, kStiffness };
   static constexpr Parameter kParameters[] = {{"friction_coefficient", "-", 0, 1, 0, 0.1},
                                               {"initial_stiffness", "N/m", 1, 1e12, 4e8, 4e8}};
@@ -90,11 +89,11 @@ struct FlatSlider : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
 };
 
 struct SinglePendulum : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "single_pendulum";
-  static constexpr std::string_view kTitle = "single friction pendulum (slider on a sphere)";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "single_pendulum";
+  static constexpr Text kTitle = "single friction pendulum (slider on a sphere)";
+  static constexpr Text kEquation =
       "F = N u/R + k0 (u - u_p),  |k0 (u - u_p)| <= mu N,  N = max(0, load)";
-  static constexpr std::string_view kSource = "Zayas, Low & Mahin 1987; small slopes";
+  static constexpr Text kSource = "Zayas, Low & Mahin 1987; small slopes";
   enum { kCoefficient, kStiffness, kRadius };
   static constexpr Parameter kParameters[] = {
       {"friction_coefficient", "-", 0, 1, 0, 0.06},
@@ -113,11 +112,10 @@ struct SinglePendulum : Acts<Stage::Restoring, kDissipative | kFrameIndifferent>
 };
 
 struct RimStop : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "rim_stop";
-  static constexpr std::string_view kTitle = "contact with the rim";
-  static constexpr std::string_view kEquation =
-      "F = k g (1 + a dg/dt) u/|u|,  g = |u| - d,  no pull";
-  static constexpr std::string_view kSource = "Hunt & Crossley 1975, exponent 1";
+  static constexpr Text kName = "rim_stop";
+  static constexpr Text kTitle = "contact with the rim";
+  static constexpr Text kEquation = "F = k g (1 + a dg/dt) u/|u|,  g = |u| - d,  no pull";
+  static constexpr Text kSource = "Hunt & Crossley 1975, exponent 1";
   enum { kStiffness, kClearance, kLoss };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1e8},
                                               {"clearance", "m", 0, 10, 1, 0.12},
@@ -138,10 +136,10 @@ struct RimStop : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
 };
 
 struct MerSpring : Acts<Stage::Restoring, kDissipative | kPerAxis> {
-  static constexpr std::string_view kName = "mer_spring";
-  static constexpr std::string_view kTitle = "pair of compression-only springs on each axis";
-  static constexpr std::string_view kEquation = "F = K (max(0, u - gap) - max(0, -u - gap))";
-  static constexpr std::string_view kSource = "EradiQuake: mass energy regulators; linear";
+  static constexpr Text kName = "mer_spring";
+  static constexpr Text kTitle = "pair of compression-only springs on each axis";
+  static constexpr Text kEquation = "F = K (max(0, u - gap) - max(0, -u - gap))";
+  static constexpr Text kSource = "EradiQuake: mass energy regulators; linear";
   enum { kStiffness, kGap };
   // A negative gap is a precompression: near the middle both springs push.
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1.2e7},

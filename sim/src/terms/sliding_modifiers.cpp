@@ -8,10 +8,10 @@ namespace {
 constexpr double kPressureStep = 50e6;  // of pressure_dep_sliding [Pa]
 
 struct VelocityDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "velocity_dep_sliding";
-  static constexpr std::string_view kTitle = "friction that grows with velocity";
-  static constexpr std::string_view kEquation = "mu = mu_f (1 - x exp(-a |v|)),  x = 1 - mu_s/mu_f";
-  static constexpr std::string_view kSource = "Constantinou, Mokha & Reinhorn 1990";
+  static constexpr Text kName = "velocity_dep_sliding";
+  static constexpr Text kTitle = "friction that grows with velocity";
+  static constexpr Text kEquation = "mu = mu_f (1 - x exp(-a |v|)),  x = 1 - mu_s/mu_f";
+  static constexpr Text kSource = "Constantinou, Mokha & Reinhorn 1990";
   enum { kReduction, kRate };
   static constexpr Parameter kParameters[] = {{"low_velocity_reduction", "-", 0, 1, 0, 0.5},
                                               {"rate", "s/m", 0, 1e7, 100, 20}};
@@ -24,10 +24,10 @@ struct VelocityDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct PressureDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "pressure_dep_sliding";
-  static constexpr std::string_view kTitle = "friction that falls with pressure";
-  static constexpr std::string_view kEquation = "mu = mu_0 f^((p - p_0)/50 MPa),  p = N/A";
-  static constexpr std::string_view kSource = "Kumar, Whittaker & Constantinou 2015, f = 0.7";
+  static constexpr Text kName = "pressure_dep_sliding";
+  static constexpr Text kTitle = "friction that falls with pressure";
+  static constexpr Text kEquation = "mu = mu_0 f^((p - p_0)/50 MPa),  p = N/A";
+  static constexpr Text kSource = "Kumar, Whittaker & Constantinou 2015, f = 0.7";
   enum { kFactor, kReference, kArea };
   static constexpr Parameter kParameters[] = {{"factor_at_50_MPa", "-", 0.01, 10, 1, 0.7},
                                               {"reference_pressure", "Pa", 0, 1e9, 0, 30e6},
@@ -42,10 +42,10 @@ struct PressureDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
 };
 
 struct PressureTanhSliding : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "pressure_tanh_sliding";
-  static constexpr std::string_view kTitle = "friction that falls with pressure and levels off";
-  static constexpr std::string_view kEquation = "mu = mu_0 (1 - x tanh(p/p_s)),  p = N/A";
-  static constexpr std::string_view kSource = "Tsopelas, Constantinou & Reinhorn 1994";
+  static constexpr Text kName = "pressure_tanh_sliding";
+  static constexpr Text kTitle = "friction that falls with pressure and levels off";
+  static constexpr Text kEquation = "mu = mu_0 (1 - x tanh(p/p_s)),  p = N/A";
+  static constexpr Text kSource = "Tsopelas, Constantinou & Reinhorn 1994";
   enum { kReduction, kScale, kArea };
   static constexpr Parameter kParameters[] = {{"high_pressure_reduction", "-", 0, 1, 0, 0.5},
                                               {"pressure_scale", "Pa", 1e3, 1e10, 50e6, 50e6},
@@ -60,13 +60,13 @@ struct PressureTanhSliding : Acts<Stage::Modifier, kFrameIndifferent> {
 
 // The heat of a step is the last step's friction times this step's velocity.
 struct FrictionHeating : Acts<Stage::Modifier, kFrameIndifferent> {
-  static constexpr std::string_view kName = "friction_heating";
-  static constexpr std::string_view kTitle = "friction that falls with the surface's temperature";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "friction_heating";
+  static constexpr Text kTitle = "friction that falls with the surface's temperature";
+  static constexpr Text kEquation =
       "mu = mu_20 (r + (1 - r) exp(-(T - 20)/T_s)),  T = 20 + T_air + share sqrt(D/pi)/k int "
       "q/sqrt(s),"
       "  q = max(0, F.v)/A while |u| < sqrt(A)/2";
-  static constexpr std::string_view kSource = "Kumar, Whittaker & Constantinou 2015";
+  static constexpr Text kSource = "Kumar, Whittaker & Constantinou 2015";
   enum { kShare, kResidual, kScale, kArea, kConductivity, kDiffusivity };
   static constexpr Parameter kParameters[] = {
       {"heat_share", "-", 0, 1, 0, 0.9},

@@ -16,12 +16,11 @@ namespace {
 constexpr double kHeatingTime = 0.02;  // [s]
 
 struct TriplePendulum : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
-  static constexpr std::string_view kName = "triple_pendulum";
-  static constexpr std::string_view kTitle = "triple friction pendulum";
-  static constexpr std::string_view kEquation =
+  static constexpr Text kName = "triple_pendulum";
+  static constexpr Text kTitle = "triple friction pendulum";
+  static constexpr Text kEquation =
       "F = N phi,  u = u1 + u2 + u3,  phi = u_i/R_i + f_i + rim_i,  |f_i| <= mu_i";
-  static constexpr std::string_view kSource =
-      "Fenz & Constantinou 2008; Dao, Ryan, Sato & Sasaki 2013";
+  static constexpr Text kSource = "Fenz & Constantinou 2008; Dao, Ryan, Sato & Sasaki 2013";
   enum {
     kRadius = 0,
     kCapacity = 3,
