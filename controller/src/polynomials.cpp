@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/controller/polynomials.hpp>
 
+#include <iterator>
+
 namespace rths::controller {
 namespace {
 
-struct Named {
-  Polynomial polynomial;
-  const char* name;
-};
-constexpr Named kNames[] = {
-    {Polynomial::P0, "P0"}, {Polynomial::P1, "P1"}, {Polynomial::P2, "P2"},
-    {Polynomial::P3, "P3"}, {Polynomial::D1, "D1"}, {Polynomial::D2, "D2"},
-    {Polynomial::D3, "D3"}, {Polynomial::DV, "DV"}, {Polynomial::DVA, "DVA"}};
+// In the order of Polynomial.
+constexpr const char* kNames[] = {"P0", "P1", "P2", "P3", "D1", "D2", "D3", "DV", "DVA"};
 
 constexpr Jet kOne{1, 0, 0};
 
@@ -128,15 +124,13 @@ Weights correct_with_acceleration(Jet x, double xi) {
 }  // namespace
 
 std::optional<Polynomial> polynomial_from_text(std::string_view name) {
-  for (const auto& named : kNames)
-    if (named.name == name) return named.polynomial;
+  for (std::size_t i = 0; i < std::size(kNames); ++i)
+    if (kNames[i] == name) return static_cast<Polynomial>(i);
   return std::nullopt;
 }
 
 const char* to_text(Polynomial polynomial) noexcept {
-  for (const auto& named : kNames)
-    if (named.polynomial == polynomial) return named.name;
-  return "?";
+  return kNames[static_cast<std::size_t>(polynomial)];
 }
 
 Weights weights(Polynomial polynomial, Branch branch, double x, double xi) noexcept {
@@ -144,30 +138,15 @@ Weights weights(Polynomial polynomial, Branch branch, double x, double xi) noexc
   const bool predicting = branch == Branch::Predict;
   // In the corrector's frame the newest target is at 1 instead of 0.
   const Jet from_newest = predicting ? jet : jet - 1;
-  const auto command_family = [&](int order) {
+  const auto number = static_cast<int>(polynomial);
+  if (polynomial <= Polynomial::P3) return lagrange(number, from_newest);
+  if (polynomial <= Polynomial::D3) {
+    const int order = number - static_cast<int>(Polynomial::P3);
     return predicting ? predict_from_command(order, jet, xi) : correct_from_command(order, jet, xi);
-  };
-  switch (polynomial) {
-    case Polynomial::P0:
-      return lagrange(0, from_newest);
-    case Polynomial::P1:
-      return lagrange(1, from_newest);
-    case Polynomial::P2:
-      return lagrange(2, from_newest);
-    case Polynomial::P3:
-      return lagrange(3, from_newest);
-    case Polynomial::D1:
-      return command_family(1);
-    case Polynomial::D2:
-      return command_family(2);
-    case Polynomial::D3:
-      return command_family(3);
-    case Polynomial::DV:
-      return predicting ? predict_with_velocity(jet) : correct_with_velocity(jet, xi);
-    case Polynomial::DVA:
-      return predicting ? predict_with_acceleration(jet) : correct_with_acceleration(jet, xi);
   }
-  return {};
+  if (polynomial == Polynomial::DV)
+    return predicting ? predict_with_velocity(jet) : correct_with_velocity(jet, xi);
+  return predicting ? predict_with_acceleration(jet) : correct_with_acceleration(jet, xi);
 }
 
 }  // namespace rths::controller

@@ -134,7 +134,7 @@ void Safety::enable(std::span<const double> rest) noexcept {
   trip_ = {};
   for (std::size_t axis = 0; axis < paths_.size(); ++axis) {
     Path& path = paths_[axis];
-    std::fill(path.line.begin(), path.line.end(), rest[axis]);
+    std::ranges::fill(path.line, rest[axis]);
     path.rest = references_[axis] = rest[axis];
     path.stop = {rest[axis], 0};
     Sensor& sensor = sensors_[axis];
@@ -270,7 +270,7 @@ void Safety::observe(std::size_t axis, const SafetyFeedback& now) noexcept {
   if (!std::isfinite(now.displacement) || !std::isfinite(now.force)) return;
   const bool is_first = !sensor.has_values;
   if (is_first) {
-    std::fill(sensor.past.begin(), sensor.past.end(), now.displacement);
+    std::ranges::fill(sensor.past, now.displacement);
     sensor.last = now;
     sensor.has_values = true;
   }

@@ -80,7 +80,7 @@ std::vector<double> window_deviations(std::span<const double> x, std::size_t n) 
 std::vector<bool> moving(std::span<const double> displacement, double period) {
   const auto window = static_cast<std::size_t>(kMotionWindow / period);
   const auto deviations = window_deviations(displacement, window);
-  const double rest = kRestShare * *std::max_element(deviations.begin(), deviations.end());
+  const double rest = kRestShare * *std::ranges::max_element(deviations);
   std::vector<bool> moves(displacement.size(), false);
   for (std::size_t i = window; i < deviations.size(); ++i)
     moves[i] = std::min(deviations[i - window], deviations[i]) > rest;
@@ -273,8 +273,7 @@ class Identification {
       const auto index = static_cast<Eigen::Index>(i);
       const int column = columns[i];
       widths[column] = maths::kHalfWidth95 * std::sqrt(std::max(0.0, covariance(index, index)));
-      if (std::count(columns_.begin(), columns_.end(), column) == 0 &&
-          column < TableSignals::kTableTerms)
+      if (std::ranges::count(columns_, column) == 0 && column < TableSignals::kTableTerms)
         widths[column] = std::max(0.0, free[column] + widths[column]);
     }
     return widths;

@@ -33,7 +33,7 @@ bool TargetExchange::begin(double new_target_word) noexcept {
   if (rises) {
     switch_pc_ = true;
     at_target_ = false;
-    std::fill(sampled_.begin(), sampled_.end(), false);
+    sampled_.assign(sampled_.size(), false);
   }
   if (falls) switch_pc_ = false;
   if (new_target_word < 0 && stop_countdown_ < 0) stop_countdown_ = kSubstepsBeforeStop;
