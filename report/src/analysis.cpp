@@ -1,10 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "analysis.hpp"
-#include "companions.hpp"
-#include "evidence.hpp"
-#include "solver_time.hpp"
-#include "ticks.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,9 +8,16 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/maths/bands.hpp>
 #include <rths/maths/delay.hpp>
 #include <rths/maths/statistics.hpp>
 #include <rths/report/report.hpp>
+
+#include "analysis.hpp"
+#include "companions.hpp"
+#include "evidence.hpp"
+#include "solver_time.hpp"
+#include "ticks.hpp"
 
 namespace rths::report {
 namespace {
@@ -38,7 +39,7 @@ WindowedTracking windowed_tracking(const Series& command, const Series& measured
   for (std::size_t begin = 0; begin + length <= command.values.size(); begin += stride) {
     const auto reference = std::span{command.values}.subspan(begin, length);
     const auto response = std::span{measured.values}.subspan(begin, length);
-    const auto [low, high] = std::minmax_element(reference.begin(), reference.end());
+    const auto [low, high] = std::ranges::minmax_element(reference);
     const bool moves = *high - *low > kQuietShare * largest;
     tracking.delay.values.push_back(
         moves ? delay_or_none(reference, response, command.interval, kWindowSearch).minimum_rms
@@ -260,6 +261,19 @@ std::optional<Reader> open_if_there(const std::filesystem::path& file) {
   return Reader{file};
 }
 
+// The values from a time on.
+std::vector<double> from(double time, const Series& series) {
+  const auto first = static_cast<std::ptrdiff_t>(std::lround(time / series.interval));
+  const auto count = static_cast<std::ptrdiff_t>(series.values.size());
+  return {series.values.begin() + std::clamp<std::ptrdiff_t>(first, 0, count), series.values.end()};
+}
+
+std::vector<double> without_mean(std::vector<double> values) {
+  const double middle = maths::mean(values);
+  for (double& value : values) value -= middle;
+  return values;
+}
+
 }  // namespace
 
 maths::DelayIdentification delay_or_none(std::span<const double> command,
@@ -298,12 +312,12 @@ double model_time_at(double wall_time, double rest, double rate) {
 }
 
 double largest(const std::vector<double>& values) {
-  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+  return values.empty() ? 0 : *std::ranges::max_element(values);
 }
 
 std::optional<double> most_extreme(std::span<const double> values) {
-  const auto found = std::max_element(values.begin(), values.end(),
-                                      [](double a, double b) { return std::abs(a) < std::abs(b); });
+  const auto found = std::ranges::max_element(
+      values, [](double a, double b) { return std::abs(a) < std::abs(b); });
   return found == values.end() ? std::nullopt : std::optional{*found};
 }
 
@@ -361,6 +375,32 @@ Analysis analyse(const std::filesystem::path& folder) {
   for (auto& one : left_out_of(analysis, roles, uncompensated.has_value(), numerical.has_value()))
     analysis.left_out.push_back(std::move(one));
   return analysis;
+}
+
+std::optional<VerticalAnalysis> analyse_vertical(const Reader& run, const Ticks& ticks,
+                                                 const Roles& roles, double rate, double first) {
+  if (!run.has(roles.vertical_command) || !run.has(roles.vertical_measured)) return std::nullopt;
+  VerticalAnalysis vertical;
+  const auto in_model_time = [&](const std::string& signal) {
+    Series series = ticks.series(signal);
+    series.interval /= rate;
+    return series;
+  };
+  vertical.command = in_model_time(roles.vertical_command);
+  vertical.measured = in_model_time(roles.vertical_measured);
+  const auto command = from(first, vertical.command), measured = from(first, vertical.measured);
+  if (command.size() < 2) return std::nullopt;
+  const auto [low, high] = std::ranges::minmax_element(command);
+  vertical.span = *high - *low;
+  if (!(vertical.span > 0)) return std::nullopt;
+  vertical.error = maths::tracking_error(command, measured).rms / vertical.span;
+  // The weight, which all samples share, has neither a delay nor a frequency.
+  const auto varying = without_mean(command), answer = without_mean(measured);
+  vertical.delay =
+      delay_or_none(varying, answer, vertical.command.interval, kDelaySearch).minimum_rms;
+  vertical.bands = maths::track_bands(varying, answer, vertical.command.interval, vertical.delay);
+  vertical.coherence = maths::coherence_of(varying, answer, vertical.command.interval);
+  return vertical;
 }
 
 }  // namespace rths::report

@@ -130,8 +130,7 @@ CompanionAnalysis analyse_companions(const Reader& run, const Roles& roles, doub
   const auto of_analysed_axes = [&](const Reader& result) {
     auto all = numerical_axes(run, roles, step, result);
     std::erase_if(all, [&](const NumericalAxis& axis) {
-      return std::none_of(axes.begin(), axes.end(),
-                          [&](const auto& one) { return one.name == axis.name; });
+      return std::ranges::none_of(axes, [&](const auto& one) { return one.name == axis.name; });
     });
     return all;
   };
@@ -147,8 +146,8 @@ void add_beside(Analysis& analysis, const std::filesystem::path& folder) {
   const RunDescription& test = other.test;
   Beside beside{test.name, folder.string(), test.rate, test.ending, test.integration_step, {}};
   for (const auto& axis : analysis.axes) {
-    const auto same = std::find_if(other.axes.begin(), other.axes.end(),
-                                   [&](const AxisAnalysis& one) { return one.name == axis.name; });
+    const auto same = std::ranges::find_if(
+        other.axes, [&](const AxisAnalysis& one) { return one.name == axis.name; });
     if (same == other.axes.end())
       throw Error{
           fmt::format("{}: has no axis {}, which this test has", folder.string(), axis.name)};

@@ -80,8 +80,7 @@ std::vector<double> loads_of(const Evidence& evidence, double rest_load) {
   std::vector<double> loads(evidence.time.size(), rest_load);
   if (!evidence.load_reference.is_recorded()) return loads;
   const auto& reference = evidence.load_reference.values;
-  const auto first =
-      std::find_if(reference.begin(), reference.end(), [](double load) { return load != 0; });
+  const auto first = std::ranges::find_if(reference, [](double load) { return load != 0; });
   for (auto i = static_cast<std::size_t>(first - reference.begin()); i < loads.size(); ++i)
     loads[i] = std::max(0.0, reference[i]);
   return loads;
@@ -117,7 +116,7 @@ std::vector<TickSpan> windows(const Evidence& evidence, double length) {
   const auto ticks = static_cast<std::size_t>(length * evidence.rate / evidence.interval);
   const auto reach = static_cast<std::size_t>(kMotionSpan * evidence.rate / evidence.interval);
   const auto is_near = [&](const TickSpan& window) {
-    return std::any_of(evidence.gaps.begin(), evidence.gaps.end(), [&](const TickSpan& gap) {
+    return std::ranges::any_of(evidence.gaps, [&](const TickSpan& gap) {
       return gap.begin < window.end + reach && window.begin < gap.end + reach;
     });
   };
@@ -204,8 +203,7 @@ Evidence gather(const Reader& run, const Config& experiment) {
   if (!run.has(roles.new_target)) return evidence;
   const auto target = ticks.values(roles.new_target);
   evidence.rest = static_cast<std::size_t>(
-      std::find_if(target.begin(), target.end(), [](double flag) { return flag > 0; }) -
-      target.begin());
+      std::ranges::find_if(target, [](double flag) { return flag > 0; }) - target.begin());
   evidence.gaps = gaps_in(ticks.counter());
   evidence.load = word(run, ticks, roles.load);
   evidence.load_reference = word(run, ticks, roles.load_reference);

@@ -64,7 +64,7 @@ std::vector<std::string> nodes_of(const Reader& run) {
 
 Break unseen_steps(const Reader& run, const std::string& node, const Bounds& bounds) {
   const auto counter = run.signal("monitor." + node + ".host.step");
-  const double steps = *std::max_element(counter.begin(), counter.end());
+  const double steps = *std::ranges::max_element(counter);
   for (const auto& [name, drops] : run.drops()) {
     const auto unseen = static_cast<double>(drops);
     if (name != node || unseen <= bounds.missing * steps) continue;
@@ -154,8 +154,8 @@ Break response_of(const Reader& run, const std::string& axis, double difference,
                   const Bounds& bounds) {
   if (difference <= bounds.response) return {};
   const auto roles = recording::roles_of(run);
-  const auto words = std::find_if(roles.axes.begin(), roles.axes.end(),
-                                  [&](const auto& one) { return one.axis == axis; });
+  const auto words =
+      std::ranges::find_if(roles.axes, [&](const auto& one) { return one.axis == axis; });
   return Broken{"response", end_of(run), words->target,
                 fmt::format("{:.1f} % from the numerical result", 100 * difference),
                 fmt::format("at most {:g} %", 100 * bounds.response)};
@@ -169,8 +169,7 @@ class RunJudgement {
     if (broken) broken_.push_back(std::move(*broken));
   }
   [[nodiscard]] std::vector<Broken> by_time() {
-    std::stable_sort(broken_.begin(), broken_.end(),
-                     [](const auto& a, const auto& b) { return a.time < b.time; });
+    std::ranges::stable_sort(broken_, [](const auto& a, const auto& b) { return a.time < b.time; });
     return std::move(broken_);
   }
   /// Until when the model moves as the specimen: 0 if displacement and acceleration contradict each
@@ -191,14 +190,14 @@ class RunJudgement {
 
  private:
   [[nodiscard]] bool has(const std::string& condition) const {
-    return std::any_of(broken_.begin(), broken_.end(),
-                       [&](const Broken& broken) { return broken.condition == condition; });
+    return std::ranges::any_of(broken_,
+                               [&](const Broken& broken) { return broken.condition == condition; });
   }
 
   [[nodiscard]] bool is_one_of(const std::string& signal,
                                RecordedSignal AxisEvidence::*word) const {
-    return std::any_of(axes_.begin(), axes_.end(),
-                       [&](const AxisEvidence& axis) { return (axis.*word).name == signal; });
+    return std::ranges::any_of(
+        axes_, [&](const AxisEvidence& axis) { return (axis.*word).name == signal; });
   }
 
   const std::vector<AxisEvidence>& axes_;
@@ -261,8 +260,7 @@ std::size_t test_rows(const Reader& run) {
   if (!run.has(name)) return run.rows();
   const auto flag = run.signal(name);
   return static_cast<std::size_t>(
-      std::find_if(flag.begin(), flag.end(), [](double value) { return value < 0; }) -
-      flag.begin());
+      std::ranges::find_if(flag, [](double value) { return value < 0; }) - flag.begin());
 }
 
 Bounds read_bounds(const Config& table) {

@@ -175,10 +175,10 @@ Break offset_of(const AxisEvidence& axis, const Evidence& all, const Bounds& bou
 
 Break load_limit_of(const Evidence& all) {
   const auto& load = all.load_reference.values;
-  const auto most = std::max_element(load.begin(), load.end());
+  const auto most = std::ranges::max_element(load);
   if (most == load.end() || *most <= sim::kVerticalCapacity) return {};
-  const auto first = std::find_if(load.begin(), load.end(),
-                                  [](double value) { return value > sim::kVerticalCapacity; });
+  const auto first =
+      std::ranges::find_if(load, [](double value) { return value > sim::kVerticalCapacity; });
   return Broken{
       "limit", all.time[static_cast<std::size_t>(first - load.begin())], all.load_reference.name,
       fmt::format("up to {:.4g} MN, which the machine clamps", *most * 1e-6),

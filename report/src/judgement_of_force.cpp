@@ -166,8 +166,7 @@ Break force_of(const AxisEvidence& axis, const Evidence& all, const Bounds& boun
     if (auto broken = force_in(window, axis, all, bounds)) return broken;
   }
   const auto end = static_cast<std::size_t>(
-      std::find_if(all.time.begin(), all.time.end(), [&](double time) { return time > until; }) -
-      all.time.begin());
+      std::ranges::find_if(all.time, [&](double time) { return time > until; }) - all.time.begin());
   if (auto saturated = saturation_of(axis, all, end)) return saturated;
   if (!std::isinf(until)) return {};
   const auto delay = delay_of(axis.model_force, axis.specimen_force.values, all);

@@ -50,8 +50,8 @@ Json optional_ms(const std::optional<double>& seconds) {
 // Ratio of the test's spectrum to another by band, as the geometric mean.
 Json spectrum_ratios(const FloorSpectra& floor, const std::string& of,
                      const std::vector<double>& frequencies) {
-  const auto found = std::find_if(floor.spectra.begin(), floor.spectra.end(),
-                                  [&](const FloorSpectrum& spectrum) { return spectrum.of == of; });
+  const auto found = std::ranges::find_if(
+      floor.spectra, [&](const FloorSpectrum& spectrum) { return spectrum.of == of; });
   if (found == floor.spectra.end()) return nullptr;
   Json ratios;
   for (const auto& band : kBands) {
@@ -172,9 +172,8 @@ Json hop_numbers(const HopAnalysis& hop) {
 // The slowest hop between two hosts.
 std::string hops_summary(const std::vector<HopAnalysis>& hops) {
   if (hops.empty()) return "";
-  const auto slowest = std::max_element(hops.begin(), hops.end(), [](const auto& a, const auto& b) {
-    return a.delay_p99 < b.delay_p99;
-  });
+  const auto slowest = std::ranges::max_element(
+      hops, [](const auto& a, const auto& b) { return a.delay_p99 < b.delay_p99; });
   return fmt::format(
       "hosts   updates of {} reach host {} in {:.2f} ms (p99 {:.2f}, at most {:.1f}), the slowest "
       "of {} hops\n",

@@ -28,7 +28,7 @@ std::string time_signal(const Reader& run, const Roles& roles) {
   for (const std::string& name : {"monitor." + roles.solver + ".time", roles.time})
     if (run.has(name)) {
       const auto time = run.signal(name);
-      if (std::any_of(time.begin(), time.end(), [](double t) { return t != 0; })) return name;
+      if (std::ranges::any_of(time, [](double t) { return t != 0; })) return name;
     }
   return "";
 }
@@ -101,9 +101,8 @@ std::size_t first_from_rest(const Reader& run, const Roles& roles,
     double largest = 0;
     for (const auto row : readings) largest = std::max(largest, std::abs(target[row] - origin));
     const double rest = std::min(kRestOfTarget, kRestShareOfTarget * largest);
-    const auto leaves = std::find_if(readings.begin(), readings.end(), [&](std::size_t row) {
-      return std::abs(target[row] - origin) > rest;
-    });
+    const auto leaves = std::ranges::find_if(
+        readings, [&](std::size_t row) { return std::abs(target[row] - origin) > rest; });
     first = std::min(first, static_cast<std::size_t>(leaves - readings.begin()));
   }
   return first == readings.size() ? 0 : first;

@@ -12,7 +12,7 @@ namespace {
 // left.
 double period_of(const std::vector<double>& time, const std::vector<double>& counter,
                  const std::vector<double>& skipped) {
-  const auto first = std::find_if(counter.begin(), counter.end(), [](double c) { return c >= 1; });
+  const auto first = std::ranges::find_if(counter, [](double c) { return c >= 1; });
   const auto last = std::find(first, counter.end(), counter.back());
   const double counts = last == counter.end() ? 0 : *last - *first;
   if (!(counts > 0)) throw Error{"the recording contains no steps of the controller"};
@@ -32,7 +32,7 @@ Ticks::Ticks(const Reader& run, const Roles& roles) : run_{run} {
   rows_ = run.rows();
   if (run.has(roles.new_target)) {
     const auto flag = run.signal(roles.new_target);
-    const auto end = std::find_if(flag.begin(), flag.end(), [](double word) { return word < 0; });
+    const auto end = std::ranges::find_if(flag, [](double word) { return word < 0; });
     rows_ = std::max<std::size_t>(2, static_cast<std::size_t>(end - flag.begin()));
   }
   interval_ = (run.time()[rows_ - 1] - run.time()[0]) / static_cast<double>(rows_ - 1);

@@ -23,12 +23,11 @@ std::string search_text(const Plan::Examined& examined) {
   std::map<std::string, std::vector<std::string>> by_part;
   for (const auto& effect : examined.effects) {
     auto& names = by_part[diagnosis::name_of(effect.part)];
-    if (std::find(names.begin(), names.end(), effect.name) == names.end())
-      names.push_back(effect.name);
+    if (std::ranges::find(names, effect.name) == names.end()) names.push_back(effect.name);
   }
   std::string text;
   for (auto& [part, names] : by_part) {
-    std::sort(names.begin(), names.end());
+    std::ranges::sort(names);
     text += fmt::format("search    {}: {}\n", part, fmt::join(names, ", "));
   }
   return text;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <rths/controller/predictor_corrector.hpp>
+#include <rths/maths/statistics.hpp>
 #include <rths/report/judgement.hpp>
 
 #include "analysis.hpp"
@@ -34,7 +35,7 @@ struct RowsBeforeTrip {
 
 RowsBeforeTrip rows_before(const Reader& run, double time) {
   const auto& times = run.time();
-  const auto begin = std::lower_bound(times.begin(), times.end(), time - kMemory);
+  const auto begin = std::ranges::lower_bound(times, time - kMemory);
   const auto end = std::upper_bound(begin, times.end(), time);
   return {static_cast<std::size_t>(begin - times.begin()),
           static_cast<std::size_t>(end - times.begin())};
@@ -67,6 +68,15 @@ std::string late_target(const Reader& run, const RowsBeforeTrip& rows) {
   return "";
 }
 
+constexpr const char* kGateway = "gateway.";
+constexpr const char* kDelay = "delay.";
+
+// Without the values before the first update.
+std::vector<double> measured(std::vector<double> values) {
+  values.erase(std::remove(values.begin(), values.end(), 0.0), values.end());
+  return values;
+}
+
 }  // namespace
 
 std::string lateness_before(const Reader& run, double time) {
@@ -96,6 +106,34 @@ std::string late_host_in(const Reader& run) {
       "up to {:.0f} ms late, in {:.1f} % of the time by {:g} ms or more", most * kMilli,
       late.empty() ? 0 : 100.0 * static_cast<double>(count) / static_cast<double>(late.size()),
       host.period * kMilli);
+}
+
+std::string host_of_gateway(const std::string& partition) {
+  return partition.starts_with(kGateway) ? partition.substr(std::string{kGateway}.size()) : "";
+}
+
+std::vector<HopAnalysis> analyse_hops(const Reader& run) {
+  std::vector<HopAnalysis> hops;
+  for (const auto& entry : run.map().signals()) {
+    const std::string host = host_of_gateway(entry.partition->name);
+    const std::string& name = entry.signal->name;
+    if (host.empty() || !name.starts_with(kDelay) || !run.has(entry.name)) continue;
+    const auto delays = measured(run.signal(entry.name));
+    if (delays.empty()) continue;
+    HopAnalysis hop;
+    hop.from = name.substr(std::string{kDelay}.size());
+    hop.to = host;
+    hop.delay_p50 = maths::quantile(delays, 0.50);
+    hop.delay_p99 = maths::quantile(delays, 0.99);
+    hop.delay_max = maths::quantile(delays, 1);
+    if (const auto age = kGateway + host + ".age." + hop.from; run.has(age)) {
+      const auto ages = measured(run.signal(age));
+      hop.age_p99 = maths::quantile(ages, 0.99);
+      hop.age_max = maths::quantile(ages, 1);
+    }
+    hops.push_back(std::move(hop));
+  }
+  return hops;
 }
 
 }  // namespace rths::report

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,17 @@
 
 namespace rths::report {
 namespace {
+
+constexpr std::size_t kMostChanges = 50;  // of a word: more is a stream of data
+
+std::vector<OperatorChange> changes_of(const Reader& run, const std::string& name) {
+  std::vector<OperatorChange> changes;
+  const auto values = run.signal(name);
+  for (std::size_t i = 1; i < values.size() && changes.size() <= kMostChanges; ++i)
+    if (values[i] != values[i - 1] && !std::isnan(values[i]) && !std::isnan(values[i - 1]))
+      changes.push_back({run.time()[i], name, run.unit(name), values[i - 1], values[i]});
+  return changes;
+}
 
 using controller::SafetyCause;
 using controller::SafetyState;
@@ -46,9 +59,8 @@ std::optional<std::size_t> find_trip(const Reader& run) {
   const std::string signal = prefix_of(run) + "trip";
   if (!run.has(signal)) return std::nullopt;
   const auto trip = run.signal(signal);
-  const auto at = std::find_if(trip.begin(), trip.end(), [](double value) {
-    return value > 0 && is_code(value, controller::kSafetyCauses);
-  });
+  const auto at = std::ranges::find_if(
+      trip, [](double value) { return value > 0 && is_code(value, controller::kSafetyCauses); });
   if (at == trip.end()) return std::nullopt;
   return static_cast<std::size_t>(at - trip.begin());
 }
@@ -58,14 +70,28 @@ Break operator_stop(const Reader& run) {
   const std::string word = "tune." + recording::roles_of(run).machine + ".safety.stop";
   if (!run.has(word)) return {};
   const auto values = run.signal(word);
-  const auto at =
-      std::find_if(values.begin(), values.end(), [](double value) { return value > 0; });
+  const auto at = std::ranges::find_if(values, [](double value) { return value > 0; });
   if (at == values.end()) return {};
   return Broken{"safety", run.time()[static_cast<std::size_t>(at - values.begin())], word,
                 "a stop by the operator", "none"};
 }
 
 }  // namespace
+
+std::vector<OperatorChange> operator_changes(const Reader& run) {
+  std::set<std::string> nodes;
+  for (const auto& [node, count] : run.drops()) nodes.insert(node);
+  std::vector<OperatorChange> all;
+  for (std::uint32_t i = 0; i < run.map().signals().size(); ++i) {
+    const auto& entry = run.map().entry(SignalId{i});
+    if (nodes.count(entry.partition->node) > 0 || !run.has(entry.name)) continue;
+    if (!host_of_gateway(entry.partition->name).empty()) continue;
+    const auto changes = changes_of(run, entry.name);
+    if (changes.size() <= kMostChanges) all.insert(all.end(), changes.begin(), changes.end());
+  }
+  std::ranges::stable_sort(all, [](const auto& a, const auto& b) { return a.time < b.time; });
+  return all;
+}
 
 Break safety_of(const Reader& run) {
   const auto row = find_trip(run);
