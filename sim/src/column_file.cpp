@@ -130,7 +130,7 @@ class ColumnReader {
       auto cells = cells_of(line, separator);
       if (cells.size() < 2) continue;
       cells.pop_back();  // a row may end with a separator
-      if (std::any_of(cells.begin(), cells.end(), [](auto cell) { return cell.empty(); }))
+      if (std::ranges::any_of(cells, [](auto cell) { return cell.empty(); }))
         text_.fail(number, "an empty cell, expected a number");
     }
   }
@@ -153,9 +153,8 @@ class ColumnReader {
           cells.emplace_back(cell);
       }
       if (cells.size() > width_ && cells.back().empty()) cells.pop_back();
-      const bool is_sentence = std::any_of(cells.begin(), cells.end(), [](const auto& cell) {
-        return cell == "in" || cell == "of";
-      });
+      const bool is_sentence =
+          std::ranges::any_of(cells, [](const auto& cell) { return cell == "in" || cell == "of"; });
       if (cells.size() == width_ && !is_sentence) return cells;
     }
     return {};
@@ -196,7 +195,7 @@ class ColumnReader {
   }
 
   static bool has_units_only(const std::vector<std::string>& cells) {
-    return std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+    return std::ranges::all_of(cells, [](const std::string& cell) {
       if (cell.empty() || cell == "-") return true;
       const std::size_t size = cell.size();
       const bool has_brackets = size > 2 && (cell[0] == '[' || cell[0] == '(');
@@ -238,7 +237,7 @@ class ColumnReader {
     if (begin == std::string::npos) return 1;
     const auto unit = heading.substr(begin + 1, heading.find_last_not_of("]).") - begin);
     const auto is = [&](std::initializer_list<std::string_view> names) {
-      return std::find(names.begin(), names.end(), unit) != names.end();
+      return std::ranges::find(names, unit) != names.end();
     };
     const auto open = std::min(heading.find_first_of("[("), begin);
     const bool has_factor = heading.find_first_of("0123456789", open) < begin;  // "[0.1 s]"

@@ -25,8 +25,8 @@ Eigen::Vector2d GroundMotion::at(double time) const noexcept {
 
 GroundMotion GroundMotion::along(const std::array<bool, 2>& tested) const {
   GroundMotion motion = *this;
-  if (!tested[0]) std::fill(motion.long_acceleration.begin(), motion.long_acceleration.end(), 0);
-  if (!tested[1]) std::fill(motion.lat_acceleration.begin(), motion.lat_acceleration.end(), 0);
+  if (!tested[0]) std::ranges::fill(motion.long_acceleration, 0);
+  if (!tested[1]) std::ranges::fill(motion.lat_acceleration, 0);
   return motion;
 }
 

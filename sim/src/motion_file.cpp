@@ -58,10 +58,9 @@ MotionFile read_motion_text(const std::filesystem::path& file, std::string_view 
 bool looks_like_motion(std::string_view text) {
   const std::string points = with_decimal_points(std::string{text});
   const MotionText lines{{}, lines_of(points)};
-  const auto rows = std::count_if(lines.lines.begin(), lines.lines.end(),
-                                  [](auto line) { return is_row(line, {}); });
-  const auto filled = std::count_if(lines.lines.begin(), lines.lines.end(),
-                                    [](auto line) { return !trimmed(line).empty(); });
+  const auto rows = std::ranges::count_if(lines.lines, [](auto line) { return is_row(line, {}); });
+  const auto filled =
+      std::ranges::count_if(lines.lines, [](auto line) { return !trimmed(line).empty(); });
   return 2 * rows > filled || (rows > 0 && format_of(lines) != nullptr);
 }
 

@@ -70,10 +70,6 @@ struct TimeSteps {
 /// at places that are not understood must not be lost: the values are not in g.
 [[nodiscard]] bool mentions_other_acceleration(std::string_view line);
 
-/// Reads the unit in the header of an .AT2 file into the heading of its column.
-/// @param end  line after the header   @throws Error if it is not one of acceleration
-void read_at2_unit(const MotionText& text, std::size_t end, MotionColumn& column);
-
 /// Whether a line of the header names NPTS, or states that a time history follows.
 [[nodiscard]] bool has_at2_header(const MotionText& text);
 

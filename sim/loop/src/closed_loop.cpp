@@ -14,9 +14,8 @@ Index index(std::size_t i) { return static_cast<Index>(i); }
 
 std::size_t displacements_of(const sim::Substructure& substructure) {
   const auto interface = substructure.interface();
-  return static_cast<std::size_t>(std::count_if(
-      interface.begin(), interface.end(),
-      [](const auto& dof) { return dof.controlled == sim::Controlled::Displacement; }));
+  return static_cast<std::size_t>(std::ranges::count_if(
+      interface, [](const auto& dof) { return dof.controlled == sim::Controlled::Displacement; }));
 }
 
 std::vector<int> delays_of(const CommandPath& path, std::size_t axes) {

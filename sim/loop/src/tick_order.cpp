@@ -19,7 +19,7 @@ bool has_seen(const TickTimes& reader, std::size_t tick, const TickTimes& writer
 TickOrder order_of(const TickTimes& machine, const TickTimes& controller) {
   TickOrder order;
   order.missed = controller.missed;
-  bool is_on_time = std::find(order.missed.begin(), order.missed.end(), true) == order.missed.end();
+  bool is_on_time = std::ranges::find(order.missed, true) == order.missed.end();
   const std::size_t moves = machine.begin.size(), answers = controller.begin.size();
   for (std::size_t n = 0, m = 0; n < answers; ++n) {
     while (m < moves && has_seen(controller, n, machine, m)) ++m;

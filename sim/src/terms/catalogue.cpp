@@ -20,14 +20,13 @@ std::vector<TermKind> joined(const Files&... files) {
 
 // Within a stage, terms act in the order of these files and of the kinds in each.
 std::vector<TermKind> all_kinds() {
-  auto kinds = joined(
-      linear_actuator_kinds(), actuator_limit_kinds(), elastomeric_vertical_kinds(),
-      elastomeric_modifier_kinds(), lead_heating_kinds(), elastomeric_restoring_kinds(),
-      bouc_wen_kinds(), hysteresis_kinds(), controlled_kinds(), sliding_vertical_kinds(),
-      sliding_modifier_kinds(), slider_kinds(), triple_pendulum_kinds(), stop_kinds(),
-      mount_kinds(), spring_kinds(), table_kinds(), friction_kinds(), drag_kinds(), sensor_kinds());
-  std::stable_sort(kinds.begin(), kinds.end(),
-                   [](const auto& a, const auto& b) { return a.stage < b.stage; });
+  auto kinds =
+      joined(actuator_kinds(), elastomeric_vertical_kinds(), elastomeric_modifier_kinds(),
+             lead_heating_kinds(), elastomeric_restoring_kinds(), bouc_wen_kinds(),
+             hysteresis_kinds(), controlled_kinds(), sliding_vertical_kinds(),
+             sliding_modifier_kinds(), slider_kinds(), triple_pendulum_kinds(), stop_kinds(),
+             mount_kinds(), spring_kinds(), friction_kinds(), sensor_kinds());
+  std::ranges::stable_sort(kinds, [](const auto& a, const auto& b) { return a.stage < b.stage; });
   return kinds;
 }
 
@@ -41,7 +40,7 @@ std::span<const TermKind> catalogue() {
 const TermKind& term_kind(std::string_view name) {
   const auto kinds = catalogue();
   const auto found =
-      std::find_if(kinds.begin(), kinds.end(), [&](const auto& kind) { return kind.name == name; });
+      std::ranges::find_if(kinds, [&](const auto& kind) { return kind.name == name; });
   if (found != kinds.end()) return *found;
   std::vector<std::string> known;
   for (const auto& kind : kinds) known.emplace_back(kind.name);

@@ -30,12 +30,11 @@ struct CurrentDependentFriction : Acts<Stage::Restoring, kPerAxis | kControlled>
                                               {"creep_velocity", "m/s", 1e-9, 100, 1e-6, 5e-3}};
   static constexpr std::size_t kStates = kDahlStates;
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real level = level_of(term.parameters + kForce, q.auxiliary) * q.strength;
+  static void step(const auto& term, auto& q) {
+    const auto level = level_of(term.parameters + kForce, q.auxiliary) * q.strength;
     for_each_active_axis(term, [&](std::size_t axis) {
-      const Real speed = abs(q.velocity[axis]);
-      const Real force = level * presliding(term, q, axis, term.parameters[kPresliding]) *
+      const auto speed = abs(q.velocity[axis]);
+      const auto force = level * presliding(term, q, axis, term.parameters[kPresliding]) *
                          (speed / (speed + term.parameters[kCreep]));
       q.hysteretic_force[axis] += force;
       q.force[axis] += force;

@@ -109,9 +109,8 @@ struct AgeingTemperature : Acts<Stage::Modifier, kFrameIndifferent> {
                                               {"stiffness_temperature", "1/K", -1, 1, 0, 0.004},
                                               {"strength_temperature", "1/K", -1, 1, 0, 0.007}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real* p = term.parameters;
+  static void step(const auto& term, auto& q) {
+    const auto* p = term.parameters;
     q.stiffness *= (1 + p[kStiffnessAgeing]) * exp(-p[kStiffnessFall] * q.temperature);
     q.strength *= (1 + p[kStrengthAgeing]) * exp(-p[kStrengthFall] * q.temperature);
   }

@@ -22,11 +22,10 @@ struct LargeStrainStiffening : Acts<Stage::Restoring, kFrameIndifferent> {
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 2e6},
                                               {"onset", "m", 0, 10, 0.1, 0.1}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> u = displacement_of(q);
-    const Real radius = length(u);
-    const Real& onset = term.parameters[kOnset];
+  static void step(const auto& term, auto& q) {
+    const auto u = displacement_of(q);
+    const auto radius = length(u);
+    const auto& onset = term.parameters[kOnset];
     if (radius > onset) add(q, u * (term.parameters[kStiffness] * (1 - onset / radius)));
   }
 };
@@ -39,9 +38,8 @@ struct CubicStiffness : Acts<Stage::Restoring, kFrameIndifferent> {
   enum { kStiffness };
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m3", -1e20, 1e20, 0, 2e7}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> u = displacement_of(q);
+  static void step(const auto& term, auto& q) {
+    const auto u = displacement_of(q);
     add(q, u * (term.parameters[kStiffness] * dot(u, u)));
   }
 };
@@ -68,9 +66,8 @@ struct PDelta : Acts<Stage::Restoring, kFrameIndifferent> {
   static constexpr Parameter kParameters[] = {{"coefficient", "-", -10, 10, 0, -0.05},
                                               {"height", "m", 1e-3, 100, 0.37, 0.37}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real* p = term.parameters;
+  static void step(const auto& term, auto& q) {
+    const auto* p = term.parameters;
     add(q, displacement_of(q) * (p[kCoefficient] * q.axial_load / p[kHeight]));
   }
 };
@@ -107,8 +104,7 @@ struct ViscousDamping : Acts<Stage::Restoring, kDissipative | kFrameIndifferent>
   enum { kDamping };
   static constexpr Parameter kParameters[] = {{"damping", "N*s/m", 0, 1e13, 0, 1e5}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+  static void step(const auto& term, auto& q) {
     add(q, velocity_of(q) * term.parameters[kDamping]);
   }
 };

@@ -20,8 +20,7 @@ struct BucklingLoadVariation : Acts<Stage::Vertical, kFrameIndifferent> {
       {"outer_diameter", "m", 0, 10, 0, 1.35},  // 0: the load does not vary
       {"residual_ratio", "-", 0, 1, 0.2, 0.2}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+  static void step(const auto& term, auto& q) {
     q.buckling_load = term.parameters[kCriticalLoad];
     if (term.parameters[kDiameter] > 0) q.buckling_load *= overlap(term, q);
   }
@@ -76,11 +75,10 @@ struct ElastomericAxial : Acts<Stage::Vertical, kFrameIndifferent> {
       {"buckled_stiffness_ratio", "-", 0, 1, 1, 1e-4}};  // 1: no buckling
   static constexpr std::size_t kStates = 2;              // largest elongation, damage
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real stiffness = term.parameters[kStiffness] * q.vertical_stiffness;
+  static void step(const auto& term, auto& q) {
+    const auto stiffness = term.parameters[kStiffness] * q.vertical_stiffness;
     if (!(stiffness > 0)) return;
-    const Real& w = q.vertical_displacement;
+    const auto& w = q.vertical_displacement;
     if (w > 0)
       q.axial_load = -tension(term, stiffness, w);
     else

@@ -151,10 +151,7 @@ struct BoucWen : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
         term.parameters[kCoupling] < 1 ? kMostSubstepsUncoupled : most_substeps(substep));
   }
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    step_bouc_wen<BoucWen>(term, q);
-  }
+  static void step(const auto& term, auto& q) { step_bouc_wen<BoucWen>(term, q); }
 };
 
 struct BoucWenNagarajaiah : Acts<Stage::Restoring, kDissipative> {
@@ -191,10 +188,7 @@ struct BoucWenNagarajaiah : Acts<Stage::Restoring, kDissipative> {
     integrate_evenly<BoucWenNagarajaiah>(term, z, increment, substep, most_substeps(substep));
   }
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    step_bouc_wen<BoucWenNagarajaiah>(term, q);
-  }
+  static void step(const auto& term, auto& q) { step_bouc_wen<BoucWenNagarajaiah>(term, q); }
 };
 
 struct BoucWenSlip : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
@@ -276,10 +270,7 @@ struct BoucWenSlip : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   }
   static constexpr double kSubstepOfWidth = 0.5;  // f falls by an eighth within a substep
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    step_bouc_wen<BoucWenSlip>(term, q);
-  }
+  static void step(const auto& term, auto& q) { step_bouc_wen<BoucWenSlip>(term, q); }
 };
 
 }  // namespace

@@ -17,17 +17,17 @@ using Text = std::string_view;
 //       static constexpr Parameter kParameters[] = {…};      // its parameters
 //       static constexpr std::size_t kStates = 2;            // or size(const TermSetup&)
 //       static void prepare(const TermSetup&, std::span<double> constants);  // if it has constants
-//       template <class Real>
-//       static void step(const TermView<Real>& term, Quantities<Real>& q);
+//       static void step(const auto& term, auto& q);         // TermView<Real>, Quantities<Real>
 //       // or the force that it adds on each axis on which it acts:
 //       static auto force(const auto& term, const auto& q, std::size_t axis);
 //     };
 
-/// Stage and traits of a term.
+/// Stage and traits of a term, and its usual source.
 template <Stage stage, unsigned traits = kPlain>
 struct Acts {
   static constexpr Stage kStage = stage;
   static constexpr unsigned kTraits = traits;
+  static constexpr Text kSource = "textbook";  // unless the term names another
 };
 
 template <class Term>
@@ -83,8 +83,7 @@ Real clipped(const Real& x, const Real& limit) {
 }
 
 // The kinds of each file, in the order in which they act within a stage.
-std::span<const TermKind> linear_actuator_kinds();
-std::span<const TermKind> actuator_limit_kinds();
+std::span<const TermKind> actuator_kinds();
 std::span<const TermKind> elastomeric_vertical_kinds();
 std::span<const TermKind> elastomeric_modifier_kinds();
 std::span<const TermKind> lead_heating_kinds();
@@ -99,9 +98,7 @@ std::span<const TermKind> triple_pendulum_kinds();
 std::span<const TermKind> stop_kinds();
 std::span<const TermKind> mount_kinds();
 std::span<const TermKind> spring_kinds();
-std::span<const TermKind> table_kinds();
 std::span<const TermKind> friction_kinds();
-std::span<const TermKind> drag_kinds();
 std::span<const TermKind> sensor_kinds();
 
 }  // namespace rths::sim

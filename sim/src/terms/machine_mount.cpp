@@ -82,7 +82,6 @@ struct InputDeadZone : Acts<Stage::Motion, kPerAxis> {
   static constexpr Text kName = "input_dead_zone";
   static constexpr Text kTitle = "dead zone between platen and specimen";
   static constexpr Text kEquation = "u_specimen = u - clip(u, d)";
-  static constexpr Text kSource = "textbook";
   enum { kHalfWidth };
   static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 10, 0, 5e-3}};
 

@@ -47,7 +47,6 @@ struct CrosstalkHorizontal : Acts<Stage::Sensor, kPerChannel> {
   static constexpr Text kName = "crosstalk_horizontal";
   static constexpr Text kTitle = "crosstalk between the horizontal axes";
   static constexpr Text kEquation = "y_long = x_long + c_1 x_lat,  y_lat = x_lat + c_2 x_long";
-  static constexpr Text kSource = "textbook";
   enum { kLatIntoLong, kLongIntoLat };
   static constexpr Parameter kParameters[] = {{"lat_into_long", "-", -1, 1, 0, 0.01},
                                               {"long_into_lat", "-", -1, 1, 0, 0.01}};
@@ -66,7 +65,6 @@ struct CrosstalkVertical : Acts<Stage::Sensor, kPerAxis> {
   static constexpr Text kName = "crosstalk_vertical";
   static constexpr Text kTitle = "vertical crosstalk into the horizontal load cells";
   static constexpr Text kEquation = "y = F + c (N - N_0)";
-  static constexpr Text kSource = "textbook";
   enum { kShare, kReference };
   static constexpr Parameter kParameters[] = {{"share", "-", -1, 1, 0, 5e-3},
                                               {"reference_load", "N", -1e9, 1e9, 0, 9.7e6}};
@@ -85,8 +83,7 @@ struct AccelerometerTilt : Acts<Stage::Sensor, kPerAxis> {
   static constexpr Parameter kParameters[] = {
       {"tilt", "rad", -0.5, 0.5, 0, 0.02}, {"tilt_per_displacement", "rad/m", -1e5, 1e5, 0, 0.1}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+  static void step(const auto& term, auto& q) {
     for_each_active_axis(term, [&](std::size_t axis) {
       q.acceleration[axis] +=
           kStandardGravity *
@@ -99,7 +96,6 @@ struct SensorGain : ChangesReadings<SensorGain> {
   static constexpr Text kName = "gain";
   static constexpr Text kTitle = "gain error of a sensor";
   static constexpr Text kEquation = "y = g x";
-  static constexpr Text kSource = "textbook";
   enum { kFactor };
   static constexpr Parameter kParameters[] = {{"factor", "-", -10, 10, 1, 1.02}};
 
@@ -110,7 +106,6 @@ struct CubicDistortion : ChangesReadings<CubicDistortion> {
   static constexpr Text kName = "cubic_distortion";
   static constexpr Text kTitle = "cubic distortion of a sensor";
   static constexpr Text kEquation = "y = x (1 + c (x/x_r)^2)";
-  static constexpr Text kSource = "textbook";
   enum { kShare, kRange };
   static constexpr Parameter kParameters[] = {{"share", "-", -1, 1, 0, 0.02},
                                               {"range", kChannelUnit, 1e-9, 1e12, 1e6, 1e6}};
@@ -136,7 +131,6 @@ struct Offset : ChangesReadings<Offset, kConstant> {
   static constexpr Text kName = "offset";
   static constexpr Text kTitle = "offset of a sensor";
   static constexpr Text kEquation = "y = x + d_0";
-  static constexpr Text kSource = "textbook";
   enum { kOffset };
   static constexpr Parameter kParameters[] = {{"offset", kChannelUnit, -1e9, 1e9, 0, 2e4}};
 
@@ -147,7 +141,6 @@ struct Drift : Acts<Stage::Sensor, kSensorTraits> {
   static constexpr Text kName = "drift";
   static constexpr Text kTitle = "drift of a sensor";
   static constexpr Text kEquation = "y = x + d_1 (t - t_0),  t_0: the first step";
-  static constexpr Text kSource = "textbook";
   enum { kRate };
   static constexpr Parameter kParameters[] = {{"rate", "channel/s", -1e9, 1e9, 0, 1e4}};
   static constexpr std::size_t kStates = 2;  // started, t_0
@@ -185,10 +178,7 @@ struct TimeSkew : Acts<Stage::Sensor, kSensorTraits> {
 
   static TermSize size(const TermSetup& setup) { return skew_size(setup, 0); }
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    skew(term, q, term.state, term.parameters[kSkew]);
-  }
+  static void step(const auto& term, auto& q) { skew(term, q, term.state, term.parameters[kSkew]); }
 };
 
 struct ClockDrift : Acts<Stage::Sensor, kSensorTraits> {
@@ -233,7 +223,6 @@ struct SensorSaturation : ChangesReadings<SensorSaturation> {
   static constexpr Text kName = "saturation";
   static constexpr Text kTitle = "saturation of a sensor";
   static constexpr Text kEquation = "y = clip(x, x_max)";
-  static constexpr Text kSource = "textbook";
   enum { kLimit };
   static constexpr Parameter kParameters[] = {{"limit", kChannelUnit, 1e-9, 1e15, 1e15, 1.2e6}};
 
@@ -258,7 +247,6 @@ struct Quantisation : ChangesReadings<Quantisation, kRounds> {
   static constexpr Text kName = "quantisation";
   static constexpr Text kTitle = "quantisation of a sensor";
   static constexpr Text kEquation = "y = q round(x/q)";
-  static constexpr Text kSource = "textbook";
   enum { kStep };
   static constexpr Parameter kParameters[] = {{"step", kChannelUnit, 0, 1e12, 0, 5e5}};
 

@@ -14,11 +14,10 @@ struct PendulumLift : Acts<Stage::Vertical, kFrameIndifferent> {
   enum { kRadius };
   static constexpr Parameter kParameters[] = {{"effective_radius", "m", 0, 100, 0, 4}};  // 0: flat
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real& radius = term.parameters[kRadius];
+  static void step(const auto& term, auto& q) {
+    const auto& radius = term.parameters[kRadius];
     if (!(radius > 0)) return;
-    const Plane<Real> u = displacement_of(q);
+    const auto u = displacement_of(q);
     // The slider climbs, so the same distance between the plates compresses it more.
     q.vertical_displacement -= dot(u, u) / (2 * radius);
     q.vertical_velocity -= dot(u, velocity_of(q)) / radius;
@@ -121,14 +120,13 @@ struct RimStop : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
                                               {"clearance", "m", 0, 10, 1, 0.12},
                                               {"loss", "s/m", 0, 100, 0, 0.5}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Plane<Real> u = displacement_of(q);
-    const Real radius = length(u);
-    const Real depth = radius - term.parameters[kClearance];
+  static void step(const auto& term, auto& q) {
+    const auto u = displacement_of(q);
+    const auto radius = length(u);
+    const auto depth = radius - term.parameters[kClearance];
     if (!(depth > 0) || !(radius > 0)) return;
-    const Real rate = dot(u, velocity_of(q)) / radius;
-    const Real push = term.parameters[kStiffness] * depth * (1 + term.parameters[kLoss] * rate);
+    const auto rate = dot(u, velocity_of(q)) / radius;
+    const auto push = term.parameters[kStiffness] * depth * (1 + term.parameters[kLoss] * rate);
     if (!(push > 0)) return;
     q.force[0] += push * u.x / radius;
     q.force[1] += push * u.y / radius;
@@ -145,12 +143,11 @@ struct MerSpring : Acts<Stage::Restoring, kDissipative | kPerAxis> {
   static constexpr Parameter kParameters[] = {{"stiffness", "N/m", 0, 1e15, 0, 1.2e7},
                                               {"gap", "m", -1, 1, 0, 0.01}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
+  static void step(const auto& term, auto& q) {
     for_each_active_axis(term, [&](std::size_t axis) {
-      const Real& u = q.displacement[axis];
-      const Real& gap = term.parameters[kGap];
-      const Real stiffness = term.parameters[kStiffness] * q.stiffness;
+      const auto& u = q.displacement[axis];
+      const auto& gap = term.parameters[kGap];
+      const auto stiffness = term.parameters[kStiffness] * q.stiffness;
       if (u > gap) q.force[axis] += stiffness * (u - gap);
       if (-u > gap) q.force[axis] += stiffness * (u + gap);
     });

@@ -16,9 +16,8 @@ struct VelocityDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
   static constexpr Parameter kParameters[] = {{"low_velocity_reduction", "-", 0, 1, 0, 0.5},
                                               {"rate", "s/m", 0, 1e7, 100, 20}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real speed = length(velocity_of(q));
+  static void step(const auto& term, auto& q) {
+    const auto speed = length(velocity_of(q));
     q.strength *= 1 - term.parameters[kReduction] * exp(-(term.parameters[kRate] * speed));
   }
 };
@@ -33,10 +32,9 @@ struct PressureDepSliding : Acts<Stage::Modifier, kFrameIndifferent> {
                                               {"reference_pressure", "Pa", 0, 1e9, 0, 30e6},
                                               {"contact_area", "m2", 1e-10, 1e4, 0.25, 0.25}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real pressure = contact_load(q) / term.parameters[kArea];
-    const Real excess = (pressure - term.parameters[kReference]) * (1 / kPressureStep);
+  static void step(const auto& term, auto& q) {
+    const auto pressure = contact_load(q) / term.parameters[kArea];
+    const auto excess = (pressure - term.parameters[kReference]) * (1 / kPressureStep);
     q.strength *= pow(term.parameters[kFactor], excess);
   }
 };
@@ -51,9 +49,8 @@ struct PressureTanhSliding : Acts<Stage::Modifier, kFrameIndifferent> {
                                               {"pressure_scale", "Pa", 1e3, 1e10, 50e6, 50e6},
                                               {"contact_area", "m2", 1e-10, 1e4, 0.25, 0.25}};
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real pressure = contact_load(q) / term.parameters[kArea];
+  static void step(const auto& term, auto& q) {
+    const auto pressure = contact_load(q) / term.parameters[kArea];
     q.strength *= 1 - term.parameters[kReduction] * tanh(pressure / term.parameters[kScale]);
   }
 };
@@ -92,13 +89,12 @@ struct FrictionHeating : Acts<Stage::Modifier, kFrameIndifferent> {
     return power > 0 ? Real{power / area} : Real{0};
   }
 
-  template <class Real>
-  static void step(const TermView<Real>& term, Quantities<Real>& q) {
-    const Real* p = term.parameters;
-    const Real memory = remember(term.constants, term.state, flux(term, q));
-    const Real rise =
+  static void step(const auto& term, auto& q) {
+    const auto* p = term.parameters;
+    const auto memory = remember(term.constants, term.state, flux(term, q));
+    const auto rise =
         p[kShare] * sqrt(p[kDiffusivity] * (1 / std::numbers::pi)) / p[kConductivity] * memory;
-    const Real hotter = rise + q.temperature;
+    const auto hotter = rise + q.temperature;
     q.strength *= p[kResidual] + (1 - p[kResidual]) * exp(-(hotter / p[kScale]));
   }
 };
