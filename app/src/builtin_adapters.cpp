@@ -15,7 +15,7 @@
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/experiment.hpp>
 #include <rths/fmi/fmu_node.hpp>
 #include <rths/plugin/plugin_node.hpp>

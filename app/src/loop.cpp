@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 
 #include <rths/command_line/drawing.hpp>
 #include <rths/command_line/write_file.hpp>
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/loop_test.hpp>

@@ -8,8 +8,8 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/core/key_value.hpp>
 #include <rths/core/message.hpp>
+#include <rths/core/text.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/session/folder.hpp>
 #include <rths/session/run.hpp>

@@ -8,7 +8,7 @@
 #include <rths/adapters/adapter.hpp>
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/key_value.hpp>
+#include <rths/core/text.hpp>
 #include <rths/memmap/map.hpp>
 
 namespace rths::app {

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include <rths/command_line/write_file.hpp>
-#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 
 #include "command.hpp"
 

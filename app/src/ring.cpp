@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <filesystem>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,7 +9,7 @@
 #include <rths/command_line/write_file.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/key_value.hpp>
+#include <rths/core/text.hpp>
 #include <rths/replicated/images.hpp>
 
 #include "command.hpp"

@@ -8,7 +8,7 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/key_value.hpp>
+#include <rths/core/text.hpp>
 #include <rths/memmap/codec.hpp>
 #include <rths/memmap/units.hpp>
 

@@ -10,7 +10,6 @@
 
 #include <rths/broker/follow.hpp>
 #include <rths/broker/watch_text.hpp>
-#include <rths/core/error.hpp>
 #include <rths/memmap/codec.hpp>
 
 #include "command.hpp"

@@ -13,7 +13,7 @@
 
 #include <rths/broker/detail/card_layout.hpp>
 #include <rths/core/config.hpp>
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::broker {
 namespace {

@@ -102,6 +102,17 @@ CommaRow comma_row(std::string_view line) {
 
 }  // namespace
 
+std::optional<KeyValue> key_value(const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) return std::nullopt;
+  return KeyValue{text.substr(0, equals), text.substr(equals + 1)};
+}
+
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+    text.replace(at, from.size(), to);
+}
+
 std::string read_text(const std::filesystem::path& file) {
   std::string text = read_file(file, kMostTextBytes);
   if (text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF"))

@@ -8,9 +8,8 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
-#include <rths/core/toml_list.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths {
 namespace {

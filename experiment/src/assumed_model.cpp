@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/contains.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/improvement.hpp>
 #include <rths/experiment/machine_table.hpp>
 #include <rths/sim/composition.hpp>

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/toml_list.hpp>
+#include <rths/core/text.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::experiment {

@@ -8,7 +8,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
-#include <rths/core/toml_list.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/experiment.hpp>
 
 #include "tables.hpp"

@@ -12,8 +12,8 @@
 
 #include <rths/core/axis.hpp>
 #include <rths/core/constants.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/loop/numerical_response.hpp>
 
 #include "tables.hpp"

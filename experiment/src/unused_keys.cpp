@@ -9,7 +9,7 @@
 #include <fmt/ranges.h>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::experiment {
 namespace {

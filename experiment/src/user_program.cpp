@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/core/text.hpp>
+
 namespace rths::experiment {
 
 void check_placeholders(const Config& table, const std::string& key,
@@ -23,11 +25,6 @@ void check_placeholders(const Config& table, const std::string& key,
                  fmt::format("unknown placeholder '{}', expected one of {}",
                              placeholder.empty() ? argument : placeholder, fmt::join(known, ", ")));
   }
-}
-
-void replace_all(std::string& text, std::string_view from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
 }
 
 bool fill_in(std::string& argument, const Experiment& experiment,

@@ -12,6 +12,7 @@
 #include <rths/adapters/opf_layout.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/user_program.hpp>
 
 #include "launcher_link.hpp"
@@ -154,8 +155,8 @@ class ForeignNode {
     for (auto argument : program.command) {
       if (experiment::fill_in(argument, experiment_, motion))
         std::ofstream{motion} << experiment::motion_text(experiment_.earthquake.motion);
-      experiment::replace_all(argument, experiment::kRingPlaceholder, own_ring);
-      experiment::replace_all(argument, experiment::kNodePlaceholder, plan_.node);
+      replace_all(argument, experiment::kRingPlaceholder, own_ring);
+      replace_all(argument, experiment::kNodePlaceholder, plan_.node);
       start.command.push_back(std::move(argument));
     }
     name_ = std::filesystem::path{start.command[0]}.filename().string();

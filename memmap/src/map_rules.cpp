@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/ascii.hpp>
+#include <rths/core/text.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::memmap {

@@ -4,8 +4,8 @@
 #include <sstream>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::recording {
 namespace {

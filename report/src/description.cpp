@@ -8,7 +8,7 @@
 
 #include <rths/core/axis.hpp>
 #include <rths/core/config.hpp>
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/report/report.hpp>
 #include <rths/sim/isolated_plant.hpp>

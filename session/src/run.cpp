@@ -12,9 +12,9 @@
 
 #include <rths/app/builtin_adapters.hpp>
 #include <rths/cases/case.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/check.hpp>
 #include <rths/experiment/improvement.hpp>
 #include <rths/recording/recording.hpp>

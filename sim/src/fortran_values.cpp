@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/ascii.hpp>
 #include <rths/core/text.hpp>
 
 #include "motion_text.hpp"

@@ -73,11 +73,6 @@ constexpr Spelling kSpellings[] = {
     {"count", {"counts", UnitKind::Other}},
     {"counts", {"counts", UnitKind::Other}}};
 
-void replace_all(std::string& text, std::string_view from, std::string_view to) {
-  for (auto at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
-    text.replace(at, from.size(), to);
-}
-
 // "CM / SEC ^ 2", "cm s⁻²", "cm/sec/sec" and "$cm/s^{2}$" are "cm/s2".
 std::string plain(std::string_view text) {
   std::string result;

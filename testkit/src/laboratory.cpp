@@ -14,9 +14,9 @@
 #include <fmt/ranges.h>
 
 #include <rths/adapters/child_program.hpp>
-#include <rths/core/ascii.hpp>
 #include <rths/core/file.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 
 #include "link.hpp"
 #include "recorder.hpp"
@@ -64,11 +64,6 @@ void remove_rings_of_killed_tests() {
         errno == ESRCH)
       broker::remove_unused_ring(report.name);
   }
-}
-
-void replace_all(std::string& text, std::string_view from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
-    text.replace(at, from.size(), to);
 }
 
 adapters::ProgramStart start_of(const Program& program, const std::string& name,

@@ -6,8 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <rths/core/config.hpp>
-#include <rths/core/key_value.hpp>
-#include <rths/core/toml_list.hpp>
+#include <rths/core/text.hpp>
 
 #include "support/files.hpp"
 

@@ -4,7 +4,7 @@
 
     tests/style/plain_numbers.py
 
-Numbers are read by `number_of` of rths/core/text.hpp and written by fmt; letters are judged by rths/core/ascii.hpp.
+Numbers are read by `number_of` of rths/core/text.hpp, which also judges letters, and written by fmt.
 Exits with 1 and prints the places if it finds others. Standard library only.
 """
 import pathlib
@@ -20,7 +20,7 @@ FORBIDDEN = {
     r"\b(strto(d|f|ld)|sto(d|f|ld)|atof)\s*\(": "number_of",
     r"\b\w*(printf|scanf)\s*\([^;]*%[-+ #0-9.*]*(l|L)?[aAeEfFgG]": "fmt::format or number_of",
     r"\b(is(alnum|alpha|blank|cntrl|digit|graph|lower|print|punct|space|upper|xdigit)|to(lower|upper))\s*\(":
-        "rths/core/ascii.hpp",
+        "rths/core/text.hpp",
     r"\bstd::(regex|collate|put_time|get_time|put_money|get_money|money_put)\b": "nothing that takes the global locale",
     r"\b(setlocale|locale::global)\s*\(": "nothing that changes the locale of the whole program",
     r"\{[^{}\"]*:[^{}\"]*L\}": "a format without L",

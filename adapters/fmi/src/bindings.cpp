@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <rths_adapter.h>
-#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::fmi {

@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/ascii.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::adapters {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
-#include <rths/core/ascii.hpp>
 #include <rths/core/axis.hpp>
+#include <rths/core/text.hpp>
 
 #include "eigen_conversion.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/experiment.hpp>
 #include <rths/experiment/parts.hpp>
 #include <rths/experiment/user_program.hpp>

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment/experiment.hpp>
 #include <rths/memmap/codec.hpp>
 

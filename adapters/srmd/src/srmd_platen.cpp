@@ -5,8 +5,8 @@
 #include <array>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/sim/machine/platen_run.hpp>
 
 namespace rths::adapters {

@@ -17,11 +17,11 @@
 #include <fmt/ranges.h>
 #include <CLI/CLI.hpp>
 
-#include <rths/core/ascii.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
 #include <rths/core/message.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::app {
 namespace {

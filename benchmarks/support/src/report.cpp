@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/ascii.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::bench {
 

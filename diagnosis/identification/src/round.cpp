@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/maths/statistics.hpp>
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include <rths/core/config.hpp>
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 #include "composition_relation.hpp"
 

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 #include <rths/experiment_design/proposal.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/identification/relation_findings.hpp>

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/axis.hpp>
-#include <rths/core/contains.hpp>
+#include <rths/core/text.hpp>
 #include <rths/maths/statistics.hpp>
 #include <rths/sim/composition.hpp>
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/contains.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/identification/folds.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/identification/problem.hpp>

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <rths/core/ascii.hpp>
+#include <rths/core/text.hpp>
 #include <rths/verdict/verdict.hpp>
 
 #include "report.hpp"

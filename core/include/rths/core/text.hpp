@@ -1,13 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace rths {
+
+/// Letters and digits of ASCII. Unlike the functions of <cctype>, the same in every locale.
+[[nodiscard]] constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+[[nodiscard]] constexpr bool is_letter(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+[[nodiscard]] constexpr bool is_letter_or_digit(char c) { return is_letter(c) || is_digit(c); }
+[[nodiscard]] constexpr char upper(char c) {
+  return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+}
+
+/// Whether a name is one of some names.
+[[nodiscard]] inline bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+using KeyValue = std::pair<std::string, std::string>;
+
+/// The parts of "key=value"; empty if the text has no key or no '='.
+[[nodiscard]] std::optional<KeyValue> key_value(const std::string& text);
+
+/// Texts as a TOML array, `["a", "b"]`: a value for Config::set.
+[[nodiscard]] std::string toml_list(const std::vector<std::string>& texts);
+
+/// Replaces each `from` by `to`.
+void replace_all(std::string& text, std::string_view from, std::string_view to);
 
 /// Content of a text file, at most `kMostTextBytes`.
 /// @throws Error as `read_file`, for UTF-16 and for bytes that are zero   @setup

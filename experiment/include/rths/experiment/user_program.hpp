@@ -26,7 +26,6 @@ inline constexpr std::string_view kNodePlaceholder = "{node}";
 void check_placeholders(const Config& table, const std::string& key,
                         const std::vector<std::string>& arguments,
                         const std::vector<std::string_view>& known);
-void replace_all(std::string& text, std::string_view from, const std::string& to);
 /// Replaces the placeholders of the test in an argument.
 /// @param motion  path of its motion file   @returns whether the argument names that file
 bool fill_in(std::string& argument, const Experiment& experiment,

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <rths/core/config.hpp>
-#include <rths/core/key_value.hpp>
+#include <rths/core/text.hpp>
 #include <rths/recording/recording.hpp>
 
 namespace rths::recording {
