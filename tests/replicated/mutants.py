@@ -33,7 +33,7 @@ CARD = TREE / "broker/card/src"
 CARD_HEADERS = TREE / "broker/card/include/rths/card"
 SOURCES = [ENGINE / name for name in ("engine.cpp", "transmitter.cpp", "receiver.cpp", "plus_host.cpp", "gt_host.cpp", "cards.cpp")] + \
           [CARD / name for name in ("registers.cpp", "fifo.cpp", "gt_registers.cpp", "store_effect.cpp", "store_instruction.cpp")]
-HEADERS = [ENGINE / name for name in ("events.hpp", "node.hpp", "sparse_bytes.hpp")] + \
+HEADERS = [ENGINE / name for name in ("events.hpp", "node.hpp")] + \
           [CARD_HEADERS / name for name in ("bits.hpp", "gt_registers.hpp")]
 PRECOMPILED = ("cmath", "ctime", "array", "algorithm", "fmt/format.h", "rths/core/error.hpp", "engine.hpp", "rths/card/fifo.hpp", "rths/card/bits.hpp")
 LEAST_KILLED = 0.95

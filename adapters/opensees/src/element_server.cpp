@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "element_server.hpp"
+#include "opensees_connection.hpp"
 
 #include <arpa/inet.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fault_box.hpp"
+#include "image_state.hpp"
 
 #include <atomic>
 #include <bit>
