@@ -111,7 +111,8 @@ Json proof_json(const diagnosis::ProofSummary& proof) {
           {"explained_fraction", number(proof.explained)},
           {"times_noise", number(proof.after / proof.floor)},
           {"systematic", proof.is_systematic},
-          {"noise_at_rest", proof.has_noise_at_rest}};
+          {"noise_at_rest", proof.has_noise_at_rest},
+          {"noise_known", proof.is_noise_known}};
 }
 
 Json refitted_json(const diagnosis::Refitted& parameter) {

@@ -13,6 +13,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr std::uint64_t kAcceptanceSeed = 5;
+constexpr Threshold kLeast{18, kLeastGainOfAnEvent};
 
 ScoredCandidate gaining(const std::string& name, const std::vector<double>& blocks) {
   ScoredCandidate scored{friction(name), {}, 0, blocks, 0, 0, 0.25};
@@ -30,8 +31,8 @@ std::vector<std::string> names_of(const std::vector<ScoredCandidate>& ranked) {
 using Strings = std::vector<std::string>;
 
 TEST(Acceptance, NeedsMoreThanTheLeastGain) {
-  EXPECT_TRUE(is_acceptable(gaining("x", even(20.1)), 20, kAcceptanceSeed));
-  EXPECT_FALSE(is_acceptable(gaining("x", even(20)), 20, kAcceptanceSeed));
+  EXPECT_TRUE(is_acceptable(gaining("x", even(20.1)), {20, 90}, kAcceptanceSeed));
+  EXPECT_FALSE(is_acceptable(gaining("x", even(20)), {20, 90}, kAcceptanceSeed));
 }
 
 // One block in fifty is absent from a resampled record with the probability (1 − 1/50)⁵⁰ = 36 %.
@@ -39,17 +40,17 @@ TEST(Acceptance, NeedsAGainInNearlyAllResampledRecords) {
   std::vector<double> blocks(50, -0.5);
   blocks[7] = 60;
 
-  EXPECT_FALSE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
+  EXPECT_FALSE(is_acceptable(gaining("x", blocks), kLeast, kAcceptanceSeed));
 }
 
 // A rare event that costs nothing elsewhere.
 TEST(Acceptance, AcceptsALargeGainAtOneInstant) {
   std::vector<double> blocks(50, 0.0);
   blocks[7] = kLeastGainOfAnEvent + 1;
-  EXPECT_TRUE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
+  EXPECT_TRUE(is_acceptable(gaining("x", blocks), kLeast, kAcceptanceSeed));
 
   blocks[7] = kLeastGainOfAnEvent - 1;
-  EXPECT_FALSE(is_acceptable(gaining("x", blocks), 18, kAcceptanceSeed));
+  EXPECT_FALSE(is_acceptable(gaining("x", blocks), kLeast, kAcceptanceSeed));
 }
 
 TEST(HeldBack, WaitsForAnAcceptableSimplerCandidate) {
@@ -57,7 +58,7 @@ TEST(HeldBack, WaitsForAnAcceptableSimplerCandidate) {
   complex.candidate.after = {"simple"};
   std::vector<ScoredCandidate> ranked{complex, gaining("simple", even(90))};
 
-  EXPECT_EQ(names_of(held_back(ranked, nullptr, 18, kAcceptanceSeed)), Strings{"complex"});
+  EXPECT_EQ(names_of(held_back(ranked, nullptr, kLeast, kAcceptanceSeed)), Strings{"complex"});
   EXPECT_EQ(names_of(ranked), Strings{"simple"});
 }
 
@@ -66,7 +67,7 @@ TEST(HeldBack, DoesNotWaitForACandidateThatGainsTooLittle) {
   complex.candidate.after = {"simple"};
   std::vector<ScoredCandidate> ranked{complex, gaining("simple", even(10))};
 
-  EXPECT_TRUE(held_back(ranked, nullptr, 18, kAcceptanceSeed).empty());
+  EXPECT_TRUE(held_back(ranked, nullptr, kLeast, kAcceptanceSeed).empty());
   EXPECT_EQ(names_of(ranked), (Strings{"complex", "simple"}));
 }
 
@@ -75,12 +76,12 @@ TEST(HeldBack, LetsAHolderDefendItsPlace) {
   complex.candidate.after = {"simple"};
   std::vector<ScoredCandidate> ranked{complex, gaining("simple", even(90))};
 
-  EXPECT_TRUE(held_back(ranked, &complex.candidate, 18, kAcceptanceSeed).empty());
+  EXPECT_TRUE(held_back(ranked, &complex.candidate, kLeast, kAcceptanceSeed).empty());
 }
 
 TEST(Chosen, IsTheBestIfItLeadsSignificantly) {
   const auto round =
-      chosen({gaining("best", even(100)), gaining("other", even(50))}, kAcceptanceSeed);
+      chosen({gaining("best", even(100)), gaining("other", even(50))}, 0, kAcceptanceSeed);
 
   EXPECT_EQ(round.chosen.candidate.name, "best");
   EXPECT_TRUE(round.tied.empty());
@@ -95,7 +96,7 @@ TEST(Chosen, IsTheCheapestOfATie) {
   costly.candidate.price = 3;
   cheap.candidate.price = 1;
 
-  const auto round = chosen({costly, cheap}, kAcceptanceSeed);
+  const auto round = chosen({costly, cheap}, 0, kAcceptanceSeed);
 
   EXPECT_EQ(round.chosen.candidate.name, "cheap");
   EXPECT_EQ(names_of(round.tied), Strings{"costly"});
@@ -104,7 +105,7 @@ TEST(Chosen, IsTheCheapestOfATie) {
 // 1 % of the gain is a tie, however significant.
 TEST(Chosen, TiesWhatDiffersByLessThanOnePercent) {
   const auto round =
-      chosen({gaining("best", even(1000)), gaining("next", even(991))}, kAcceptanceSeed);
+      chosen({gaining("best", even(1000)), gaining("next", even(991))}, 0, kAcceptanceSeed);
 
   EXPECT_EQ(names_of(round.tied), Strings{"next"});
 }
@@ -116,7 +117,7 @@ TEST(Chosen, TakesNoLawThatContainsItForAnAlternative) {
   larger.candidate.price = 2;
   simple.candidate.price = 1;
 
-  const auto round = chosen({larger, simple}, kAcceptanceSeed);
+  const auto round = chosen({larger, simple}, 0, kAcceptanceSeed);
 
   EXPECT_EQ(round.chosen.candidate.name, "simple");
   EXPECT_DOUBLE_EQ(round.chosen.confidence, 0.5);
@@ -130,12 +131,26 @@ TEST(Chosen, CountsAnEffectOnSeveralAxesOnce) {
   one.candidate.price = 2;
   one.candidate.axis = "long";
 
-  const auto round = chosen({both, one}, kAcceptanceSeed);
+  const auto round = chosen({both, one}, 0, kAcceptanceSeed);
 
   EXPECT_EQ(round.chosen.candidate.axis, "");
   EXPECT_DOUBLE_EQ(round.chosen.confidence, 0.5);
   EXPECT_TRUE(round.tied.empty());
   EXPECT_TRUE(round.others.empty());
+}
+
+// Where even the best leaves much, a rival that leaves 7 % more is not excluded, but costs more
+// gain than a tie in which the cheaper one wins.
+TEST(Chosen, TiesRivalsThatLeaveLittleMore) {
+  ScoredCandidate cheap = gaining("cheap", even(930));
+  cheap.candidate.price = 0;
+  const std::vector<ScoredCandidate> ranked{gaining("best", even(1000)), cheap,
+                                            gaining("far", even(850))};
+
+  EXPECT_TRUE(chosen(ranked, 0, kAcceptanceSeed).tied.empty());
+  const auto round = chosen(ranked, 1000, kAcceptanceSeed);
+  EXPECT_EQ(round.chosen.candidate.name, "best");
+  EXPECT_EQ(names_of(round.tied), Strings{"cheap"});
 }
 
 }  // namespace

@@ -70,13 +70,25 @@ TEST(ModelComparison, AddsTheGainsOfBothRecords) {
     const Scores before{std::vector<double>(20, 10), std::vector<double>(20, 10)};
     const Scores after{std::vector<double>(20, 10 - in_second),
                        std::vector<double>(20, 10 - in_first)};
-    return TwoSlopes{1, 1}.ask(
-        [&](const auto& comparison) { return comparison.gains(before, after, least); });
+    return TwoSlopes{1, 1}.ask([&](const auto& comparison) {
+      return comparison.gains(before, after, {least, kLeastGainOfAnEvent});
+    });
   };
 
   EXPECT_TRUE(gains(1, 2, 59));
   EXPECT_FALSE(gains(1, 2, 61));
   EXPECT_FALSE(gains(2, -2, 0));
+}
+
+// A model of slope 2 where 5 is right leaves a sine of 3 times the noise, whose neighbours agree.
+TEST(ModelComparison, ScattersByWhatAModelLeaves) {
+  const auto scatter = [](double slope) {
+    return TwoSlopes{2, slope}.ask(
+        [](const auto& comparison) { return comparison.scatter(linear_model({"x"}, {2})); });
+  };
+
+  EXPECT_EQ(scatter(2), 1);
+  EXPECT_GT(scatter(5), 9);
 }
 
 TEST(ModelComparison, TakesWhiteNoiseOfTheKnownSizeForNoise) {

@@ -45,6 +45,29 @@ TEST(SensorNoise, IsThatOfQuietIntervals) {
   EXPECT_NEAR(noise.deviation("force") / 3, 1, 3 / std::sqrt(2.0 * kQuiet));
 }
 
+// A path of few rows a cycle has large third differences without any noise.
+TEST(SensorNoise, IsNotKnownWhereTheSamplesAreTooCoarse) {
+  VectorXd coarse(400);
+  for (Index i = 0; i < coarse.size(); ++i) coarse[i] = std::sin(2.0 * static_cast<double>(i));
+  const Record record = record_of_channels({channel_of("force.long", coarse)});
+
+  const SensorNoise guessed{{&record}, {}};
+  EXPECT_FALSE(guessed.is_known());
+  EXPECT_EQ(guessed.unknown(), std::vector<std::string>{"force.long"});
+  EXPECT_EQ(guessed.deviation("force"), 0);
+  EXPECT_EQ(guessed.source(), "unknown for force.long: the samples are too coarse to guess it");
+
+  const SensorNoise stated{{&record}, {{"force.long", 0.01}}};
+  EXPECT_TRUE(stated.is_known());
+}
+
+TEST(SensorNoise, IsGuessedWhereTheSamplesAreDense) {
+  const Record record =
+      record_of_channels({channel_of("force.long", 50 * sine_of(4, 4000) + 0.5 * gauss(4000, 1, 1))});
+
+  EXPECT_TRUE((SensorNoise{{&record}, {}}.is_known()));
+}
+
 // Noise of deviation 1 and a sine of deviation 2 and 3.1 Hz, with other phases in each record.
 Record record_with_line(double phase, unsigned seed, double frequency = 3.1,
                         double time_step = kNoiseStep) {

@@ -9,28 +9,34 @@
 
 namespace rths::diagnosis {
 
-bool is_beneficial(const std::vector<double>& differences, double least, std::uint64_t seed) {
+bool is_beneficial(const std::vector<double>& differences, const Threshold& least,
+                   std::uint64_t seed) {
   const double gain = sum(differences);
-  if (gain <= least) return false;
+  if (gain <= least.gain) return false;
   // An effect at one instant is absent from many resampled records. It is accepted if its gain is
   // large and it costs nothing elsewhere.
   const double low = maths::quantile(resampled_sums(differences, seed), 0.01);
-  return low > 0 || (gain > kLeastGainOfAnEvent && low > -0.01 * gain);
+  return low > 0 || (gain > least.event && low > -0.01 * gain);
 }
 
-bool is_acceptable(const ScoredCandidate& scored, double accepted, std::uint64_t seed) {
+bool is_acceptable(const ScoredCandidate& scored, const Threshold& accepted, std::uint64_t seed) {
   return is_beneficial(scored.differences, accepted, seed);
 }
 
 std::vector<ScoredCandidate> held_back(std::vector<ScoredCandidate>& ranked,
-                                       const Candidate* holder, double accepted,
+                                       const Candidate* holder, const Threshold& accepted,
                                        std::uint64_t seed) {
+  // The best that waits for no other: a simpler candidate that gains less would not be named.
+  double most = 0;
+  for (const auto& scored : ranked)
+    if (scored.candidate.after.empty() || (holder != nullptr && is_same(scored.candidate, *holder)))
+      most = std::max(most, scored.gain);
   const auto waits = [&](const ScoredCandidate& scored) {
     if (holder != nullptr && is_same(scored.candidate, *holder)) return false;
     const auto& after = scored.candidate.after;
     return std::any_of(ranked.begin(), ranked.end(), [&](const ScoredCandidate& other) {
       return std::find(after.begin(), after.end(), other.candidate.name) != after.end() &&
-             is_acceptable(other, accepted, seed);
+             other.gain >= (1 - kTieShare) * most && is_acceptable(other, accepted, seed);
     });
   };
   std::vector<bool> is_waiting;
@@ -69,15 +75,17 @@ void join_axes(SelectionRound& round) {
 
 }  // namespace
 
-SelectionRound chosen(std::vector<ScoredCandidate> ranked, std::uint64_t seed) {
+SelectionRound chosen(std::vector<ScoredCandidate> ranked, double rest, std::uint64_t seed) {
   const ScoredCandidate& best = ranked[0];
   std::vector<bool> ties(ranked.size(), true);
   std::size_t cheapest = 0;
   for (std::size_t i = 1; i < ranked.size(); ++i) {
     const auto lead = minus(best.differences, ranked[i].differences);
     const bool is_significant = maths::quantile(resampled_sums(lead, seed), 0.05) > 0;
-    ties[i] = !is_significant || best.gain - ranked[i].gain < kTieShare * best.gain;
-    if (ties[i] && ranked[i].candidate.price < ranked[cheapest].candidate.price) cheapest = i;
+    const double behind = best.gain - ranked[i].gain;
+    const bool is_as_good = !is_significant || behind < kTieShare * best.gain;
+    ties[i] = is_as_good || behind < kTieOfRest * rest;
+    if (is_as_good && ranked[i].candidate.price < ranked[cheapest].candidate.price) cheapest = i;
   }
   SelectionRound round;
   round.chosen = std::move(ranked[cheapest]);

@@ -55,7 +55,12 @@ ModelComparison::Scores ModelComparison::scores(const Hypothesis& model) const {
           diagnosis::scores(problem_, there, folds_.first)};
 }
 
-bool ModelComparison::gains(const Scores& before, const Scores& after, double least) const {
+double ModelComparison::scatter(const Hypothesis& model) const {
+  return scatter_of({problem_, model}, folds_.second);
+}
+
+bool ModelComparison::gains(const Scores& before, const Scores& after,
+                            const Threshold& least) const {
   auto all = minus(before.second, after.second);
   const auto back = minus(before.first, after.first);
   all.insert(all.end(), back.begin(), back.end());

@@ -6,6 +6,8 @@
 
 #include <rths/identification/selection.hpp>
 
+#include "acceptance.hpp"
+
 namespace rths::diagnosis {
 
 /// Compares models that were fitted on the first fold, on rows that they were not fitted to.
@@ -30,8 +32,10 @@ class ModelComparison {
     std::vector<double> second, first;  ///< on this fold, by block [nat]
   };
   [[nodiscard]] Scores scores(const Hypothesis& model) const;
-  /// Whether a model gains more than `least` [nat] over another one, see is_beneficial.
-  [[nodiscard]] bool gains(const Scores& before, const Scores& after, double least) const;
+  /// Whether a model gains more than a threshold over another one, see is_beneficial.
+  [[nodiscard]] bool gains(const Scores& before, const Scores& after, const Threshold& least) const;
+  /// See scatter_of, on the second fold [-].
+  [[nodiscard]] double scatter(const Hypothesis& model) const;
 
  private:
   const Problem& problem_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/identification/constants.hpp>
 #include <rths/maths/statistics.hpp>
@@ -186,6 +187,17 @@ VectorXd sizes_of(const MatrixXd& measured) {
   return sizes;
 }
 
+// The largest standard deviation of a channel in any record.
+double largest_deviation(const std::vector<const Record*>& records, const std::string& role) {
+  double largest = 0;
+  for (const Record* record : records)
+    if (const Channel* channel = record->find(role)) {
+      const VectorXd x = values_of(*channel);
+      largest = std::max(largest, std::sqrt((x.array() - x.mean()).square().mean()));
+    }
+  return largest;
+}
+
 }  // namespace
 
 SensorNoise::SensorNoise(const std::vector<const Record*>& records,
@@ -201,11 +213,20 @@ SensorNoise::SensorNoise(const std::vector<const Record*>& records,
                                   [&](const auto& known) { return is_seen(at_rest, known.first); });
   source_ = was_seen_at_rest_ ? "intervals at rest"
                               : "differences between samples that motion cannot cause";
-  if (was_seen_at_rest_) return;
-  for (const auto& [role, deviation] : stated) {
-    stated_[role] = deviation;
-    source_ = "the standard deviations stated in the case";
-  }
+  if (!was_seen_at_rest_)
+    for (const auto& [role, deviation] : stated) {
+      stated_[role] = deviation;
+      source_ = "the standard deviations stated in the case";
+    }
+  for (auto& [role, spectrum] : by_role_)
+    if (!is_seen(at_rest, role) && !stated_.contains(role) &&
+        spectrum.deviation() > kLargestGuess * largest_deviation(records, role)) {
+      unknown_.push_back(role);
+      spectrum = {};
+    }
+  if (!unknown_.empty())
+    source_ = fmt::format("unknown for {}: the samples are too coarse to guess it",
+                          fmt::join(unknown_, ", "));
 }
 
 double SensorNoise::deviation(const std::string& family) const {

@@ -68,7 +68,10 @@ std::vector<double> block_sums(const Problem& problem, const Fold& fold, const V
 
 Problem::Problem(const Relation& relation, const std::vector<const Record*>& records,
                  const SensorNoise& noise, std::uint64_t seed, std::size_t draws)
-    : relation_{&relation}, has_colour_{noise.was_seen_at_rest()}, progress_{&no_progress()} {
+    : relation_{&relation},
+      has_colour_{noise.was_seen_at_rest()},
+      is_noise_known_{noise.is_known()},
+      progress_{&no_progress()} {
   for (std::size_t i = 0; i < records.size(); ++i) {
     RecordData data{records[i], relation.prepare(*records[i]), {}, {}, nullptr};
     std::mt19937_64 random{seed * 1000 + i};
@@ -84,7 +87,10 @@ Problem::Problem(const Relation& relation, const std::vector<const Record*>& rec
 }
 
 Problem::Problem(const Problem& like, const std::vector<const Record*>& tests)
-    : relation_{like.relation_}, has_colour_{like.has_colour_}, progress_{like.progress_} {
+    : relation_{like.relation_},
+      has_colour_{like.has_colour_},
+      is_noise_known_{like.is_noise_known_},
+      progress_{like.progress_} {
   for (const Record* test : tests) {
     RecordData data{test, relation_->prepare(*test), {}, {}, nullptr};
     data.noise = std::make_unique<ResidualNoise>(like.noise(0).steady(*data.drive));
@@ -96,6 +102,7 @@ Problem Problem::disturbed(std::size_t draw) const {
   Problem result;
   result.relation_ = relation_;
   result.has_colour_ = has_colour_;
+  result.is_noise_known_ = is_noise_known_;
   result.progress_ = progress_;
   for (const auto& data : records_)
     result.records_.push_back(

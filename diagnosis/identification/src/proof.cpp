@@ -104,6 +104,21 @@ Whiteness whiteness_of(const TestedHypothesis& named, std::size_t record) {
           portmanteau < kAllowance * kChiSquare99};
 }
 
+double scatter_of(const TestedHypothesis& tested, const Fold& fold) {
+  const double variance = tested.variance(fold);
+  if (!(variance > kWellAbove)) return 1;
+  double neighbours = 0;
+  for (const auto& share : fold.shares) {
+    const Whiteness whiteness = whiteness_of(tested, share.record);
+    neighbours += 1;
+    for (const double r : whiteness.correlation) {
+      if (r < whiteness.bound) break;
+      neighbours += 2 * r;
+    }
+  }
+  return variance * neighbours / static_cast<double>(fold.shares.size());
+}
+
 Proof proof_of(const Problem& problem, const Selection& selection, bool is_held_out) {
   Proof proof;
   proof.records = scores_of(problem, selection, is_held_out);
@@ -139,7 +154,8 @@ double Proof::variance() const {
 }
 
 bool Proof::is_systematic() const {
-  return !is_white && times_noise() > kWellAbove && variance() > kWellAbove;
+  return !is_white && variance() > kWellAbove &&
+         (times_noise() > kWellAbove || variance() > kFarAbove);
 }
 
 }  // namespace rths::diagnosis

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -83,6 +84,10 @@ class Pruning {
         return {{i, "it shifts signals by less than a tenth of the time between samples"}};
       if (may_be_absent(candidate, selection_.named, covariance))
         return {{i, "its size may be zero"}};
+      if (is_contradicted(candidate, estimates))
+        return {{i, "its channel has read more than this limit"}};
+      if (is_at_bound(candidate))
+        return {{i, "its size lies on a bound of the search, as that of another effect would"}};
     }
     return std::nullopt;
   }
@@ -119,6 +124,36 @@ class Pruning {
       if (free.unit != "s" || std::abs(size->value - *free.absent) >= least) return false;
     }
     return has_size;
+  }
+
+  // A sensor that has read more than a limit does not saturate there.
+  bool is_contradicted(const Candidate& candidate, const std::vector<Estimate>& estimates) const {
+    if (candidate.kind != "saturation" || candidate.part != Part::Sensor) return false;
+    const Estimate* limit = estimate_of(candidate.frees[0].name, estimates);
+    if (limit == nullptr) return false;
+    double largest = 0;
+    for (const Problem* problem : {&std::as_const(problem_), held_out_})
+      for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
+        for (const auto& channel : problem->record(i).channels)
+          if (channel.role == candidate.channel || family_of(channel.role) == candidate.channel)
+            largest = std::max(largest, values_of(channel).cwiseAbs().maxCoeff());
+    return limit->value < kReadRange * largest;
+  }
+
+  // Whether a size ended at a bound that does not mean its absence.
+  bool is_at_bound(const Candidate& candidate) const {
+    const Hypothesis& named = selection_.named;
+    for (std::size_t i = 0; i < named.free.size(); ++i) {
+      const FreeParameter& free = named.free[i];
+      const double value = named.values[static_cast<Index>(i)];
+      const double near = kOnBound * (free.high - free.low);
+      if (free.absent && (value > free.high - near || value < free.low + near) &&
+          std::abs(value - *free.absent) > near &&
+          std::any_of(candidate.frees.begin(), candidate.frees.end(),
+                      [&](const FreeParameter& own) { return own.name == free.name; }))
+        return true;
+    }
+    return false;
   }
 
   // Shares are those of the error that the right rule and effects of exact form leave.

@@ -69,6 +69,7 @@ void withdraw_resemblances(RelationFindings& found, DiagnosisProgress& progress)
 }  // namespace
 
 bool RelationFindings::has_remainder() const {
+  if (!problem->is_noise_known()) return !proof.is_white;
   const double rest = selection.variance_named - 1;
   return proof.is_systematic() || rest > std::max(0.15, 0.005 * (selection.variance_ruled - 1)) ||
          (rest > 0.05 && selection.explained() < kExplained);
@@ -77,6 +78,7 @@ bool RelationFindings::has_remainder() const {
 bool RelationFindings::is_unknown() const {
   const double explained = std::min(selection.explained(), proof.explained());
   if (!has_remainder() || (is_named() && explained >= kExplained)) return false;
+  if (!problem->is_noise_known()) return true;
   if (proof.is_systematic() && has_line(*relation, *noise)) return true;
   // A short rest gives the noise only roughly, and a recording code integrates in its own way. So a
   // small excess counts only if it has a form, and one that noise does not have.

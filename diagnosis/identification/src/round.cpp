@@ -5,6 +5,7 @@
 
 #include <rths/core/text.hpp>
 #include <rths/identification/constants.hpp>
+#include <rths/identification/proof.hpp>
 #include <rths/maths/statistics.hpp>
 
 namespace rths::diagnosis {
@@ -91,6 +92,7 @@ void Round::compare(double base, std::vector<ShortFit> fits) {
   allow_for_noise();
   reverse();
   rank();
+  measure_rest();
 }
 
 // Screening is linear, effects are not. A few iterations show which candidates deserve a full fit.
@@ -228,6 +230,14 @@ void Round::reverse() {
     scored.gain += sum(back);
   }
   sort();
+}
+
+void Round::measure_rest() {
+  if (ranked_.empty()) return;
+  const TestedHypothesis best{problem_, ranked_[0].fitted};
+  scatter_ = scatter_of(best, folds_.second);
+  if (scatter_ > 1)
+    rest_ = 0.5 * observations(problem_, folds_.both) * (best.variance(folds_.second) - 1);
 }
 
 // Confidence: how often each is the best in resampled records.

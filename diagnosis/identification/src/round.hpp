@@ -44,6 +44,10 @@ class Round {
   /// The hypothesis without any candidate, fitted on the first fold.
   [[nodiscard]] const Hypothesis& base() const { return base_; }
   [[nodiscard]] std::vector<ScoredCandidate>& ranked() { return ranked_; }  ///< best first
+  /// Of the best candidate on rows that it was not fitted to, see scatter_of [-].
+  [[nodiscard]] double scatter() const { return scatter_; }
+  /// Energy beyond the noise that the best candidate leaves on these rows [nat].
+  [[nodiscard]] double rest() const { return rest_; }
   /// The candidate that fits the first fold best, however it predicts the second one; none if no
   /// candidate was fitted.
   [[nodiscard]] std::optional<ScoredCandidate>& best_fit() { return best_fit_; }
@@ -69,6 +73,7 @@ class Round {
   void allow_for_noise();
   void reverse();
   void rank();
+  void measure_rest();
 
   Problem& problem_;
   const Folds& folds_;
@@ -76,6 +81,7 @@ class Round {
   Effort effort_;
   Hypothesis base_;
   std::vector<double> base_scores_;
+  double scatter_ = 1, rest_ = 0;
   std::vector<ScoredCandidate> ranked_;
   std::optional<ScoredCandidate> best_fit_;
 };

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/text.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/scores.hpp>
 
@@ -54,6 +55,7 @@ class Selector {
     bool goes_on = true;
     while (goes_on && effects() < kMostTerms) goes_on = add_term();
     drop_redundant();
+    join_parts();
     if (settle()) drop_redundant();
     drop_named(selection_.rounds);
     std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
@@ -172,7 +174,7 @@ class Selector {
   // Whether a model with more terms gains by them as much as one term must.
   [[nodiscard]] bool gains_enough(const Hypothesis& before, const Hypothesis& after) const {
     return comparison_.gains(comparison_.scores(before), comparison_.scores(after),
-                             accepted(before, true));
+                             accepted(before, true, comparison_.scatter(after)));
   }
 
   // A residual that is noise as a whole may still contain a small effect, which the test of one
@@ -183,7 +185,7 @@ class Selector {
     if (selection_.rounds.empty() || !comparison_.is_noise(current_)) return effort;
     double largest = 0;
     for (const auto& round : selection_.rounds) largest = std::max(largest, round.chosen.gain);
-    effort.least = std::max(accepted(current_, true), 0.5 * kFormShare * largest);
+    effort.least = std::max(accepted(current_, true, 1).gain, 0.5 * kFormShare * largest);
     return effort;
   }
 
@@ -213,7 +215,8 @@ class Selector {
 
   // Smallest gain of a term that is accepted beside the others, in the noise of the round [nat].
   // @param is_alone  no other candidate gains half as much
-  [[nodiscard]] double accepted(const Hypothesis& rest, bool is_alone) const {
+  // @param scatter   of the scores, over that by noise
+  [[nodiscard]] Threshold accepted(const Hypothesis& rest, bool is_alone, double scatter) const {
     const double n = observations(problem_, folds_.both);
     const auto excess = [&](const Hypothesis& model) {
       return 0.5 * n * std::max(0.0, comparison_.variance(model) - 1);
@@ -222,19 +225,20 @@ class Selector {
     // a little of them. A term that explains most of what is left is one, or much of it alone.
     const double share = std::min(kAcceptedShare * excess(unexplained_),
                                   (is_alone ? kAloneOfRest : kMostOfRest) * excess(rest));
-    return std::max({kLeastAcceptedGain, kAcceptedDensity * n, share});
+    return {std::max(scatter * std::max(kLeastAcceptedGain, kAcceptedDensity * n), share),
+            scatter * kLeastGainOfAnEvent};
   }
 
   // Takes the best candidate of a round, if it accepts one. A term may have to wait for another
   // one; a holder that is compared with its rivals has waited already.
   std::optional<SelectionRound> winner(Round& round, const Candidate* holder) const {
     auto& ranked = round.ranked();
-    const double least = accepted(round.base(), ranked.size() == 1);
+    const Threshold least = accepted(round.base(), ranked.size() == 1, round.scatter());
     const std::vector<ScoredCandidate> waiting = held_back(ranked, holder, least, seed_);
     if (ranked.empty() || !is_acceptable(ranked[0], least, seed_) ||
         !comparison_.is_material(round.base(), ranked[0].fitted))
       return std::nullopt;
-    SelectionRound won = chosen(std::move(ranked), seed_);
+    SelectionRound won = chosen(std::move(ranked), round.rest(), seed_);
     // Waiting candidates contain the chosen one as a special case, so they support it.
     for (const auto& scored : waiting) won.chosen.confidence += scored.confidence;
     won.others.insert(won.others.begin(), waiting.begin(), waiting.end());
@@ -315,6 +319,36 @@ class Selector {
     return is_same(rounds[index].chosen.candidate, holder);
   }
 
+  // A law may have been found in parts: friction and viscous damping imitate a power of velocity.
+  // It takes their place if it predicts other rows better than they do together.
+  void join_parts() {
+    const auto candidates = problem_.relation().candidates(selection_.base);
+    for (const Candidate& law : candidates) {
+      auto& rounds = selection_.rounds;
+      const auto is_part = [&](const SelectionRound& round) {
+        const Candidate& part = round.chosen.candidate;
+        return part.channel == law.channel && contains(law.contains, part.name);
+      };
+      const auto is_law = [&](const SelectionRound& round) {
+        return is_same(round.chosen.candidate, law);
+      };
+      if (std::none_of(rounds.begin(), rounds.end(), is_part) ||
+          std::any_of(rounds.begin(), rounds.end(), is_law))
+        continue;
+      begin_stage("parts of " + law.name);
+      const Hypothesis rest = with_rounds(selection_.base, rounds, std::not_fn(is_part), current_);
+      if (!may_extend(rest, law)) continue;
+      Round round{problem_, folds_, Round::Extended{rest, stated_.values}, {law}, seed_, kThorough};
+      if (round.ranked().empty()) continue;
+      ScoredCandidate whole = std::move(round.ranked()[0]);
+      if (!comparison_.predicts(whole.fitted) || !gains_enough(current_, whole.fitted)) continue;
+      std::erase_if(rounds, is_part);
+      current_ = whole.fitted;
+      rounds.push_back({std::move(whole), {}, {}});
+      problem_.renew_noise(current_);
+    }
+  }
+
   // Backward selection: removes candidates that later ones have made redundant.
   void drop_redundant() {
     auto& rounds = selection_.rounds;
@@ -330,7 +364,9 @@ class Selector {
           fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
                  kLongFit);
       auto without = comparison_.scores(rest);
-      if (comparison_.gains(without, with, kLeastAcceptedGain / 2)) {
+      const double scatter = comparison_.scatter(current_);
+      if (comparison_.gains(without, with,
+                            {scatter * kLeastAcceptedGain / 2, scatter * kLeastGainOfAnEvent})) {
         ++i;
         continue;
       }

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/sim/composition.hpp>
 #include <rths/verdict/verdict.hpp>
 
@@ -59,7 +60,7 @@ Cause transfer_cause(const budget::MismatchBudget& found) {
       "K (r(t - tau) - x) - kappa F";
   cause.part = Part::Actuator;
   cause.channel = kDisplacement;
-  cause.confidence = 1;  // the lower of the axes
+  cause.confidence = kMostSure;  // the lower of the axes
   for (const auto& axis : found.axes)
     cause.confidence = std::min(cause.confidence, axis.transfer.confidence);
   cause.explained = worst(found, unseen_errors).explained();

@@ -16,6 +16,7 @@
 
 #include <rths/core/text.hpp>
 #include <rths/experiment_design/proposal.hpp>
+#include <rths/identification/constants.hpp>
 #include <rths/identification/lattice.hpp>
 #include <rths/identification/relation_findings.hpp>
 #include <rths/maths/statistics.hpp>
@@ -142,7 +143,7 @@ void add_lattices(const std::vector<Lattice>& lattices, std::vector<Cause>& caus
     cause.equation = sim::term_kind("quantisation").equation;
     cause.part = Part::Sensor;
     cause.channel = family;
-    cause.confidence = lattice.on_steps;
+    cause.confidence = std::min(lattice.on_steps, kMostSure);
     cause.explained = std::nan("");
     cause.parameters = {step};
     causes.push_back(std::move(cause));

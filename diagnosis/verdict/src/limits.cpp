@@ -284,7 +284,8 @@ std::vector<std::string> opposed_outputs(const Relation& relation,
 }
 
 NoiseBasis noise_basis(const Case& c, const SensorNoise& noise) {
-  return {noise.source(), noise.was_seen_at_rest() ? "" : remedy_for_noise(c)};
+  return {noise.source(), noise.was_seen_at_rest() ? "" : remedy_for_noise(c),
+          !noise.was_seen_at_rest() && !c.noise.empty()};
 }
 
 std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,

@@ -2,6 +2,7 @@
 #include "report.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <tuple>
 
@@ -30,18 +31,30 @@ Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimat
   cause.part = candidate.part;
   cause.is_rule = candidate.is_rule;
   cause.channel = candidate.channel;
-  // Tied candidates share the confidence, whatever their order.
-  cause.confidence =
-      std::max(round.chosen.confidence, 1 / (1 + static_cast<double>(round.tied.size())));
   for (const auto& tied : round.tied)
     cause.alternatives.push_back({tied.candidate.name, tied.candidate.title,
                                   tied.gain / std::max(round.chosen.gain, 1e-300), "", 0});
-  if (round.tied.empty()) cause.confidence = std::max(cause.confidence, 0.99);
   cause.explained = explained;
   for (const auto& wanted : candidate.frees)
     for (const auto& estimate : estimates)
       if (estimate.name == wanted.name) cause.parameters.push_back(estimate);
   return cause;
+}
+
+// How often a name like this one is right. Tied candidates share it, whatever their order. A cause
+// that explains less than what remains imitates it as likely as not.
+double confidence_in(const SelectionRound& round, const RelationFindings& found, double explained) {
+  const auto rivals = static_cast<double>(round.tied.size());
+  double confidence = kMostSure;
+  if (rivals > 0) confidence *= std::max(round.chosen.confidence, 1 / (1 + rivals));
+  if (found.has_remainder()) {
+    confidence *= found.is_unknown() ? kBesideUnknown : kBesideRemainder;
+    const double remainder = 1 - found.proof.explained();
+    confidence *= explained / std::max(explained + remainder, 1e-300);
+  }
+  if (!found.proof.is_held_out) confidence *= kWithoutProof;
+  if (!found.problem->is_noise_known()) confidence *= kNoiseUnknown;
+  return confidence;
 }
 
 std::vector<Refitted> refitted_of(const RelationFindings& found) {
@@ -185,6 +198,13 @@ void add_descriptions(const RelationFindings& found, std::vector<Description>& d
   }
 }
 
+// A floor of noise that is not known is no number.
+void forget_floors(Evaluation& evaluation) {
+  if (evaluation.proof.is_noise_known) return;
+  evaluation.proof.floor = std::nan("");
+  for (auto& score : evaluation.fit) score.noise_floor = std::nan("");
+}
+
 bool has_result(const RelationFindings& found) { return found.is_named() || found.is_unknown(); }
 
 }  // namespace
@@ -262,10 +282,12 @@ std::vector<Cause> causes_of(const RelationFindings& found) {
       estimates_of(selection.named,
                    covariance_of(*found.problem, found.folds.both, selection.named,
                                  fold_disagreement(*found.problem, found.folds, selection.named)));
-  for (const auto& round : selection.rounds)
-    causes.push_back(cause_of(
-        round, estimates,
-        found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300)));
+  for (const auto& round : selection.rounds) {
+    const double explained =
+        found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300);
+    causes.push_back(cause_of(round, estimates, explained));
+    causes.back().confidence = confidence_in(round, found, explained);
+  }
   return causes;
 }
 
@@ -282,14 +304,21 @@ Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& red
   Evaluation evaluation;
   evaluation.refitted = refitted_of(found);
   evaluation.fit = scores_of(*found.problem, found.selection, false);
-  evaluation.proof = {proof.before,      proof.after,           proof.floor,
-                      proof.explained(), proof.is_systematic(), found.problem->has_colour()};
+  evaluation.proof = {proof.before,
+                      proof.after,
+                      proof.floor,
+                      proof.explained(),
+                      proof.is_systematic(),
+                      found.problem->has_colour(),
+                      found.problem->is_noise_known()};
   evaluation.residual = {proof.whiteness.correlation, proof.whiteness.bound, proof.is_white};
   for (std::size_t i = 0; i < found.problem->records(); ++i)
     add_traces(found, *found.problem, i, i == 0 ? reduced : ReducedModels{}, evaluation.traces);
+  forget_floors(evaluation);
   if (!proof.is_held_out) return evaluation;
   evaluation.proof_record = proof.records.back().record;
   evaluation.fit.insert(evaluation.fit.end(), proof.records.begin(), proof.records.end());
+  forget_floors(evaluation);
   const std::size_t last = found.held_out->records() - 1;
   for (std::size_t i = 0; i <= last; ++i)
     add_traces(found, *found.held_out, i, i == last ? reduced : ReducedModels{}, evaluation.traces);
@@ -297,7 +326,7 @@ Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& red
 }
 
 double confidence_in(const std::vector<Cause>& causes) {
-  double confidence = 1;
+  double confidence = kMostSure;
   for (const auto& cause : causes) confidence = std::min(confidence, cause.confidence);
   return confidence;
 }

@@ -82,8 +82,11 @@ std::string rest_of(const Verdict& verdict) {
   constexpr double kNoise = 1.1;
   const ProofSummary& proof = verdict.evaluation.proof;
   const double times = proof.after / proof.floor;
-  if (!(times < 1e6)) return "the sensors' noise is not known";
-  const std::string noise = proof.has_noise_at_rest ? "the sensors' noise" : "the guessed noise";
+  if (!proof.is_noise_known || !(times < 1e6))
+    return "the sensors' noise is not known, so nothing says whether more is missing";
+  const std::string noise = proof.has_noise_at_rest   ? "the sensors' noise"
+                            : verdict.noise.is_stated ? "the stated noise"
+                                                      : "the guessed noise";
   if (times < kNoise && !verdict.conclusion.has_remainder) return "what is left is " + noise;
   return fmt::format(
       "what is left is {:.2g} times {}{}", times, noise,
@@ -134,9 +137,13 @@ std::string of_force(const Verdict& verdict) {
 }
 
 std::string none_sentence(const Verdict& verdict) {
+  const std::string found = verdict.evaluation.proof.is_noise_known
+                                ? "Nothing is missing: the residual is noise"
+                                : "Nothing was found to be missing: the residual is white, but the "
+                                  "sensors' noise is not known";
   return verdict.evaluation.proof_record.empty()
-             ? "Nothing is missing: the residual is noise."
-             : fmt::format("Nothing is missing: the residual is noise; {}.", errors_of(verdict));
+             ? found + "."
+             : fmt::format("{}; {}.", found, errors_of(verdict));
 }
 
 // The errors of the proof, and the share of their energy that is explained.

@@ -23,8 +23,10 @@ inline constexpr std::size_t kNeighbours = 3;     ///< [blocks] resampled togeth
 inline constexpr Index kZeroPadding = 4;  ///< [-] of transforms that look for a sine
 
 // ---- Noise of the sensors
-inline constexpr double kFewestAtRest = 100;     ///< [samples] at rest of all records, to be used
-inline constexpr double kVarianceOfThird = 20;   ///< [-] of third differences: 1 + 9 + 9 + 1
+inline constexpr double kFewestAtRest = 100;    ///< [samples] at rest of all records, to be used
+inline constexpr double kVarianceOfThird = 20;  ///< [-] of third differences: 1 + 9 + 9 + 1
+inline constexpr double kLargestGuess =
+    0.03;  ///< [-] of a channel's deviation: a larger guess may be the corners of a coarse path
 inline constexpr int kFloorWindow = 256;         ///< [samples] of the spectrum of a channel
 inline constexpr std::size_t kFloorWindows = 8;  ///< [windows] that a channel has, at least
 inline constexpr std::size_t kLeakageBins = 3;   ///< [bins] that leakage of the window reaches
@@ -107,7 +109,9 @@ inline constexpr double kMostOfRest = 0.5;   ///< [-] or, if less, of that which
 inline constexpr double kAloneOfRest = 0.2;  ///< [-] or of it if no other term gains half as much
 inline constexpr double kFormShare = 4e-4;   ///< [-] of a larger term's gain: 2 % error of its form
 inline constexpr double kTieShare = 0.01;    ///< [-] of the best gain: smaller differences are ties
-inline constexpr double kMuchLeft = 0.15;    ///< [-] mean w² beyond 1 that is left to explain
+inline constexpr double kTieOfRest =
+    0.1;  ///< [-] of the energy beyond the noise that the best leaves: as much more is a tie
+inline constexpr double kMuchLeft = 0.15;       ///< [-] mean w² beyond 1 that is left to explain
 inline constexpr double kLittleOfLeft = 0.2;    ///< [-] of it: a fit may have stalled
 inline constexpr double kNoiseVariance = 1.02;  ///< [-] mean w² of noise, without scatter
 
@@ -124,6 +128,16 @@ inline constexpr double kSeenShare = 0.25;  ///< [-] of the error's energy: seen
 inline constexpr double kLeastShift = 0.1;  ///< [samples] of a shift in time
 inline constexpr double kTakenOver = 0.5;   ///< [-] of a candidate's energy, by a form
 
+inline constexpr double kReadRange = 0.98;  ///< [-] of the largest reading: a saturation above it
+inline constexpr double kOnBound = 1e-3;    ///< [-] of the range of a size: it lies on the bound
+
+// ---- Confidence in a name
+inline constexpr double kMostSure = 0.97;        ///< [-] nothing is left, proven on unseen records
+inline constexpr double kBesideRemainder = 0.7;  ///< [-] factor: something else is left
+inline constexpr double kBesideUnknown = 0.4;    ///< [-] factor: the rest is unknown
+inline constexpr double kWithoutProof = 0.9;     ///< [-] factor: no record was held out
+inline constexpr double kNoiseUnknown = 0.8;     ///< [-] factor
+
 // ---- Intervals of parameters
 inline constexpr double kLargestInflation = 1e6;  ///< [-] of a variance, by other parameters
 inline constexpr std::size_t kBiasDraws = 4;      ///< [draws] of the noise in the motion
@@ -135,6 +149,8 @@ inline constexpr Index kLags = 20;            ///< [lags] of the residual's corr
 inline constexpr double kChiSquare99 = 37.6;  ///< [-] quantile of as many degrees of freedom
 inline constexpr double kAllowance = 3;       ///< [-] on it: the colour of the noise is an estimate
 inline constexpr double kWellAbove = 1.25;    ///< [-] the noise, as an error and as a variance
+inline constexpr double kFarAbove =
+    4;  ///< [-] the noise, as a variance alone: its size varies in time
 
 // ---- Remainder and unknown
 inline constexpr double kExplained = 0.85;  ///< [-] of the systematic residual: the rest remains

@@ -27,8 +27,6 @@ class NoiseGenerator {
   std::vector<Drawn> drawn_;  ///< of every channel
 };
 
-/// Samples at rest, of all records, that measure the noise of a channel. Fewer are ignored.
-
 /// Noise of the sensors, channel by channel.
 class SensorNoise {
  public:
@@ -44,6 +42,11 @@ class SensorNoise {
   [[nodiscard]] NoiseGenerator generator_like(const Record& record) const;
   /// Whether the noise was recorded at rest: only then its colour is known.
   [[nodiscard]] bool was_seen_at_rest() const { return was_seen_at_rest_; }
+  /// Whether the noise of every channel is known: measured at rest, stated, or guessed as a small
+  /// part of the channel. A channel whose noise is not known counts as exact.
+  [[nodiscard]] bool is_known() const { return unknown_.empty(); }
+  /// Roles of the channels whose noise is not known.
+  [[nodiscard]] const std::vector<std::string>& unknown() const { return unknown_; }
   /// Largest standard deviation of a family's sensors, "displacement"; 0: none was recorded.
   [[nodiscard]] double deviation(const std::string& family) const;
   [[nodiscard]] const std::string& source() const { return source_; }  ///< for the limits
@@ -56,7 +59,7 @@ class SensorNoise {
   std::vector<std::pair<std::string, double>> added_;
   bool was_seen_at_rest_ = false;
   std::string source_;
-  std::vector<std::string> lines_;
+  std::vector<std::string> lines_, unknown_;
 };
 
 /// Noise whose size and colour change slowly. A bearing, for example, turns the same motion error

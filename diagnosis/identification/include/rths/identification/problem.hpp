@@ -43,6 +43,8 @@ class Problem {
     return records_[i].draws;
   }
   [[nodiscard]] bool has_colour() const { return has_colour_; }
+  /// Whether the noise of all sensors is known; else only the shape of a residual tells.
+  [[nodiscard]] bool is_noise_known() const { return is_noise_known_; }
 
   /// The problem with one more realisation of the sensors' noise in every record, and the same
   /// noise model.
@@ -81,7 +83,7 @@ class Problem {
                                                                     std::size_t most) const;
 
   const Relation* relation_ = nullptr;
-  bool has_colour_ = false;
+  bool has_colour_ = false, is_noise_known_ = true;
   DiagnosisProgress* progress_ = nullptr;  ///< never null
   std::vector<RecordData> records_;
 };

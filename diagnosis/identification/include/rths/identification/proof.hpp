@@ -42,6 +42,10 @@ struct Whiteness {
 };
 [[nodiscard]] Whiteness whiteness_of(const TestedHypothesis& named, std::size_t record);
 
+/// What scatters the score of a model on a fold, over the sensors' noise [-]: the variance of its
+/// whitened residual times the number of neighbouring rows that agree. 1 for noise.
+[[nodiscard]] double scatter_of(const TestedHypothesis& tested, const Fold& fold);
+
 /// Errors of all records that were not used before; of the fitted records if there are none.
 struct Proof {
   std::vector<RecordScore> records;
@@ -56,7 +60,8 @@ struct Proof {
   [[nodiscard]] double times_noise() const { return after / floor; }
   /// Largest variance of a record's whitened residual; 1 is noise [-].
   [[nodiscard]] double variance() const;
-  /// Returns true if the remaining error is coloured and well above the noise.
+  /// Returns true if the remaining error is coloured and well above the noise, or far above it
+  /// where the noise is small.
   [[nodiscard]] bool is_systematic() const;
 };
 

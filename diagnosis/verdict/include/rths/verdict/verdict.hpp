@@ -37,8 +37,7 @@ struct Cause {
   Part part = Part::Machine;
   bool is_rule = false;   ///< replaces the model's rule of hysteresis instead of adding a term
   std::string channel;    ///< role in which it appears: "force", "displacement"
-  double confidence = 0;  ///< share of resampled records in which it is the best term [-]; 0.99 at
-                          ///< least without alternatives, 1/(1 + n) at least with n of them
+  double confidence = 0;  ///< how often a name like this one is right [-], shared with alternatives
   double explained = 0;   ///< of the energy beyond the noise: the share of all causes, divided in
                           ///< proportion to their gains [-]; NaN: steps of a sensor have none
   std::vector<Estimate> parameters;
@@ -119,6 +118,7 @@ struct ProofSummary {
   double explained = 0;            ///< of the energy of the error beyond the noise [-]
   bool is_systematic = false;      ///< the error that is left is coloured and well above the noise
   bool has_noise_at_rest = false;  ///< the noise was measured, not guessed from samples in motion
+  bool is_noise_known = true;      ///< measured, stated or guessed; else `floor` means nothing
 };
 
 /// The answer of a diagnosis.
@@ -157,7 +157,8 @@ struct ProposedTest {
 /// Where the noise of the sensors is known from.
 struct NoiseBasis {
   std::string source;
-  std::string remedy;  ///< how to measure the noise; empty: it was measured at rest
+  std::string remedy;      ///< how to measure the noise; empty: it was measured at rest
+  bool is_stated = false;  ///< in the case
 };
 
 /// The simulation with the named causes.
