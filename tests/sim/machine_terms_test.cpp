@@ -89,6 +89,13 @@ TEST(PositionDependentFriction, ActsAroundOneDisplacement) {
   EXPECT_LT(force_at(rub, 0.2, 0), 1e-6);
 }
 
+TEST(LinearStiffness, GrowsWithDisplacement) {
+  const TermSettings spring{"linear_stiffness", "", {{"stiffness", 5e3}}};
+
+  EXPECT_NEAR(force_at(spring, 0.1, 0.7), 500, 1e-9);
+  EXPECT_NEAR(force_at(spring, -0.02, -0.3), -100, 1e-9);
+}
+
 TEST(Drag, GrowsWithItsPowerOfVelocity) {
   EXPECT_NEAR(force_at({"viscous_friction", "", {{"coefficient", 3e4}}}, 0, -0.5), -1.5e4, 1e-9);
   EXPECT_NEAR(force_at({"quadratic_drag", "", {{"coefficient", 3e4}}}, 0, -0.5), -7.5e3, 1e-9);

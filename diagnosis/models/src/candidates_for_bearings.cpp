@@ -16,6 +16,7 @@ const std::vector<CandidateTerm>& bearing_entries() {
             term("bouc_wen", kOnForce, kKindInModel | kTwoAxes, {size("coupling", 0.8)})),
       term("large_strain_stiffening", kOnForce,
            {size("stiffness", 0.05), shape("onset", 0.05, 1, {0.5, 0.75})}),
+      term("linear_stiffness", kOnForce, {size("stiffness", 0.01)}),
       term("cubic_stiffness", kOnForce, {size("stiffness", 0.01)}),
       term("scragging", kOnForce, kHysteresis,
            {size("virgin_excess", 0.1), shape("scragging_displacement", 0.03, 4, {0.3, 0.8})}),

@@ -184,6 +184,8 @@ void add_candidates(Place place, unsigned offered, const TermSite& site, const H
   for (const auto& entry : candidate_terms()) {
     if ((entry.places & place) == 0 || (entry.needs & ~offered) != 0) continue;
     if (is_in_model(base, entry.kind, site.name)) continue;
+    // The stiffness of a spring is a possible cause of its own.
+    if (entry.kind == "linear_stiffness" && (offered & CandidateTerm::kSpring) != 0) continue;
     // A fitted linear damper makes a second one redundant.
     if (entry.kind == "viscous_friction" && is_free(base, site.name + ".damping")) continue;
     const bool is_unique = std::none_of(base.terms.begin(), base.terms.end(), [&](const auto& one) {

@@ -8,6 +8,17 @@
 namespace rths::sim {
 namespace {
 
+struct LinearStiffness : Acts<Stage::Restoring, kPerAxis> {
+  static constexpr Text kName = "linear_stiffness";
+  static constexpr Text kTitle = "linear spring";
+  static constexpr Text kEquation = "F = f k u,  f: stiffness factor of modifiers";
+  static constexpr Parameter kParameters[] = {{"stiffness", "N/m", -1e15, 1e15, 0, 4e6}};
+
+  static auto force(const auto& term, const auto& q, std::size_t axis) {
+    return q.stiffness * term.parameters[0] * q.displacement[axis];
+  }
+};
+
 struct PolynomialStiffness : Acts<Stage::Restoring, kPerAxis> {
   static constexpr Text kName = "polynomial_stiffness";
   static constexpr Text kTitle = "polynomial spring";
@@ -168,8 +179,9 @@ struct TabulatedViscosity : Acts<Stage::Restoring, kPerAxis> {
 }  // namespace
 
 std::span<const TermKind> spring_kinds() {
-  return kinds_of<PolynomialStiffness, PiecewiseStiffness, PiecewiseDamping, GapContact,
-                  TabulatedSpring, TabulatedDamper, TabulatedFriction, TabulatedViscosity>();
+  return kinds_of<LinearStiffness, PolynomialStiffness, PiecewiseStiffness, PiecewiseDamping,
+                  GapContact, TabulatedSpring, TabulatedDamper, TabulatedFriction,
+                  TabulatedViscosity>();
 }
 
 }  // namespace rths::sim
