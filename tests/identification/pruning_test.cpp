@@ -109,6 +109,28 @@ TEST_F(Pruning, KeepsATermThatAnotherCandidateChanges) {
   EXPECT_EQ(selection.rounds.size(), 2U);
 }
 
+// Such a rule belongs to no model without the term, and goes with it.
+TEST_F(Pruning, WithdrawsARuleOfANamedTermBeforeTheTerm) {
+  Candidate rule = friction("y");
+  rule.adds.clear();
+  rule.frees = {size_parameter("x.play")};
+  rule.is_rule = true;
+  add(friction("x"));
+  add(rule);
+  records = {pruned_record("fit", Use::Fit, {1, 1, 0}, 1),
+             pruned_record("fit 2", Use::Fit, {1, 1, 0}, 2)};
+  Problem problem = linear_problem(relation, records);
+  finish(problem, two_records(), selection);
+
+  EXPECT_TRUE(selection.ruled.free.empty());
+  const auto withdrawn = withdraw_all(problem, two_records(), "unknown", selection);
+
+  ASSERT_EQ(withdrawn.size(), 2U);
+  EXPECT_EQ(withdrawn[0].candidate.name, "y");
+  EXPECT_EQ(withdrawn[1].candidate.name, "x");
+  EXPECT_TRUE(selection.rounds.empty());
+}
+
 TEST_F(Pruning, WithdrawsACandidateThatMakesAHeldOutRecordWorse) {
   add(friction("x"));
   add(friction("y"));

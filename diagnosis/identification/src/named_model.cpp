@@ -36,8 +36,12 @@ void finish(Problem& problem, const Folds& folds, Selection& selection) {
   problem.renew_noise(selection.named);
   selection.named = fitted(problem, selection.named, folds.both, kShortFit);
   selection.base = fitted(problem, selection.base, folds.both, kShortFit);
-  selection.ruled = with_rounds(selection.base, selection.rounds, is_rule, selection.named);
-  if (std::any_of(selection.rounds.begin(), selection.rounds.end(), is_rule))
+  const auto& rounds = selection.rounds;
+  const auto is_rule_of_base = [&](const SelectionRound& round) {
+    return is_rule(round) && !changes_named(rounds, round);
+  };
+  selection.ruled = with_rounds(selection.base, rounds, is_rule_of_base, selection.named);
+  if (std::any_of(rounds.begin(), rounds.end(), is_rule_of_base))
     selection.ruled = fitted(problem, selection.ruled, folds.both, kLongFit);
   selection.variance_base = TestedHypothesis{problem, selection.base}.variance(folds.both);
   selection.variance_ruled = TestedHypothesis{problem, selection.ruled}.variance(folds.both);

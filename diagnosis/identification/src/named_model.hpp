@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <rths/identification/selection.hpp>
@@ -34,6 +35,14 @@ template <class Wanted>
 /// leaves.
 [[nodiscard]] inline bool hides_nothing(const SelectionRound& round) {
   return is_rule(round) || is_exact(round);
+}
+
+/// Whether a round changes a term that another one has named.
+[[nodiscard]] inline bool changes_named(const std::vector<SelectionRound>& rounds,
+                                        const SelectionRound& round) {
+  return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
+    return depends_on(round.chosen.candidate, other.chosen.candidate);
+  });
 }
 
 }  // namespace rths::diagnosis

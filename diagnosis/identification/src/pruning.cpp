@@ -19,6 +19,7 @@
 namespace rths::diagnosis {
 namespace {
 
+// A candidate that no other one depends on.
 Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, std::size_t index,
                    const std::string& reason) {
   auto& rounds = selection.rounds;
@@ -27,6 +28,16 @@ Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, s
   rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(index));
   finish(problem, folds, selection);
   return one;
+}
+
+// The last candidate to withdraw where only rules of the model itself may stay: a rule of a
+// withdrawn term goes before the term.
+std::optional<std::size_t> last_to_withdraw(const Selection& selection) {
+  const auto& rounds = selection.rounds;
+  for (std::size_t i = rounds.size(); i-- > 0;)
+    if ((!is_rule(rounds[i]) || changes_named(rounds, rounds[i])) && !is_needed(selection, i))
+      return i;
+  return std::nullopt;
 }
 
 // Share of the residual that a form explains.
@@ -159,8 +170,11 @@ class Pruning {
   // Shares are those of the error that the right rule and effects of exact form leave.
   [[nodiscard]] Hypothesis reference() const {
     const auto& rounds = selection_.rounds;
-    if (std::none_of(rounds.begin(), rounds.end(), hides_nothing)) return selection_.base;
-    return fitted(problem_, with_rounds(selection_.base, rounds, hides_nothing, selection_.named),
+    const auto is_kept = [&](const SelectionRound& round) {
+      return hides_nothing(round) && !changes_named(rounds, round);
+    };
+    if (std::none_of(rounds.begin(), rounds.end(), is_kept)) return selection_.base;
+    return fitted(problem_, with_rounds(selection_.base, rounds, is_kept, selection_.named),
                   folds_.both, kLongFit);
   }
 
@@ -251,9 +265,8 @@ std::vector<Withdrawn> prune(Problem& problem, const Problem* held_out, const Fo
 std::vector<Withdrawn> withdraw_all(Problem& problem, const Folds& folds, const std::string& reason,
                                     Selection& selection) {
   std::vector<Withdrawn> withdrawn;
-  for (std::size_t i = selection.rounds.size(); i-- > 0;)
-    if (!is_rule(selection.rounds[i]))
-      withdrawn.push_back(withdraw(problem, folds, selection, i, reason));
+  while (const auto last = last_to_withdraw(selection))
+    withdrawn.push_back(withdraw(problem, folds, selection, *last, reason));
   return withdrawn;
 }
 
