@@ -3,54 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
 #include <rths/identification/vectors.hpp>
-#include <rths/maths/decompositions.hpp>
 
+#include "dynamic_start.hpp"
 #include "dynamic_steps.hpp"
 
 namespace rths::diagnosis {
 namespace {
-
-// The state at the first sample that best fits the first rows of a measurement. Linear least
-// squares without the terms, iterated a few times to include their effect.
-// @param steps  of a substep; there are `substeps` per sample
-// @param predicted  prediction for a start state; empty if it diverges
-// @returns zero if the first prediction diverges; empty if the model has no states
-VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const MatrixXd& measured,
-                      Index rows, const std::function<MatrixXd(const VectorXd&)>& predicted) {
-  constexpr int kIterations = 3;
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const auto as_matrix = [](const SmallMatrix<double>& small) {
-    return MatrixXd{Eigen::Map<const RowMajor>(small.entries.data(), small.rows, small.columns)};
-  };
-  const Index n = steps.phi.rows, outputs = measured.cols();
-  VectorXd start = VectorXd::Zero(n);
-  if (n == 0) return start;
-  // Response of the outputs to a start state: C Φᵏ.
-  MatrixXd response(rows * outputs, n), seen = as_matrix(steps.c);
-  const MatrixXd phi = as_matrix(steps.phi);
-  for (Index row = 0; row < rows; ++row) {
-    response.middleRows(row * outputs, outputs) = seen;
-    for (int substep = 0; substep < substeps; ++substep) seen = seen * phi;
-  }
-  // State directions with little effect on the outputs stay at rest.
-  VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
-  const maths::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
-  for (int i = 0; i < kIterations; ++i) {
-    const MatrixXd now = predicted(start);
-    if (now.rows() < rows) break;
-    VectorXd off(rows * outputs);
-    for (Index row = 0; row < rows; ++row)
-      off.segment(row * outputs, outputs) = (measured.row(row) - now.row(row)).transpose();
-    start += scale.cwiseInverse().asDiagonal() * solver.solve(off);
-  }
-  return start;
-}
 
 std::vector<sim::TermSettings> terms_at(const Hypothesis& hypothesis,
                                         const std::string& component) {
