@@ -41,7 +41,7 @@ void check(const TermKind& kind, const TermSettings& settings) {
   if (settings.axes == 0 || settings.axes > kBothAxes)
     throw Error{
         fmt::format("term '{}' acts on no axis, expected long, lat or both", name_of(settings))};
-  if (settings.axes != kBothAxes && (kind.traits & kPerAxis) == 0)
+  if (settings.axes != kBothAxes && !may_act_on_one_axis(kind))
     throw Error{
         fmt::format("term '{}' couples both axes; it cannot be limited to one", name_of(settings))};
   if (settings.channel != SensorChannel::Force && (kind.traits & kPerChannel) == 0)
@@ -56,6 +56,31 @@ void check(const TermKind& kind, const TermSettings& settings) {
 template <class Real>
 struct HorizontalMotion {
   Horizontal<Real> displacement, velocity, acceleration;
+};
+
+// A law of both axes that acts on one of them sees no motion of the other.
+template <class Real>
+class OtherAxisAtRest {
+ public:
+  OtherAxisAtRest(const Composition::Term& term, Quantities<Real>& q) noexcept : q_{q} {
+    if (term.axes == kBothAxes || (term.kind->traits & kPerAxis) != 0) return;
+    whole_.emplace(HorizontalMotion<Real>{q.displacement, q.velocity, q.acceleration});
+    for (std::size_t axis = 0; axis < kHorizontalAxes; ++axis)
+      if ((term.axes >> axis & 1U) == 0)
+        q.displacement[axis] = q.velocity[axis] = q.acceleration[axis] = Real{};
+  }
+  ~OtherAxisAtRest() {
+    if (!whole_) return;
+    q_.displacement = whole_->displacement;
+    q_.velocity = whole_->velocity;
+    q_.acceleration = whole_->acceleration;
+  }
+  OtherAxisAtRest(const OtherAxisAtRest&) = delete;
+  OtherAxisAtRest& operator=(const OtherAxisAtRest&) = delete;
+
+ private:
+  Quantities<Real>& q_;
+  std::optional<HorizontalMotion<Real>> whole_;
 };
 
 template <class Real>
@@ -75,6 +100,7 @@ void run(const Composition& composition, std::span<const double> constants, cons
                                 composition.time_step(),
                                 term->axes,
                                 term->channel};
+      const OtherAxisAtRest<Real> hidden{*term, q};
       if constexpr (std::is_same_v<Real, double>)
         term->kind->step(view, q);
       else
@@ -112,7 +138,7 @@ constexpr ChannelName kChannels[] = {
 
 unsigned read_axes(const Config& table, const TermKind& kind) {
   if (!table.has("axes")) return kBothAxes;
-  if ((kind.traits & kPerAxis) == 0)
+  if (!may_act_on_one_axis(kind))
     table.fail("axes",
                fmt::format("'{}' couples both axes; it cannot be limited to one", kind.name));
   unsigned axes = 0;

@@ -38,6 +38,24 @@ TEST(Composition, RepeatsItsForcesFromACopiedState) {
   EXPECT_EQ(first.force, again.force);
 }
 
+TEST(Composition, LimitsALawOfBothAxesToOneOfThem) {
+  const std::vector<std::pair<std::string, double>> values{{"characteristic_strength", 1e6},
+                                                           {"post_yield_stiffness", 1e6}};
+  const Composition plane{{{"bouc_wen", "", values}}, 1e-3};
+  const Composition along{{{"bouc_wen", "", values, 1}}, 1e-3};
+  std::vector<double> whole(plane.states()), half(along.states());
+  Quantities<double> alone, both;
+  alone.displacement = {0.002, 0};
+  both.displacement = {0.002, -0.003};
+
+  plane.advance(whole, alone);
+  along.advance(half, both);
+
+  EXPECT_EQ(both.force[0], alone.force[0]);
+  EXPECT_EQ(both.force[1], 0);
+  EXPECT_EQ(both.displacement[1], -0.003);
+}
+
 TEST(Composition, RefusesUnknownNamesAndValuesOutOfBounds) {
   const auto build = [](const TermSettings& term) {
     return error_of([&] { Composition({term}, 1e-3); });
@@ -47,8 +65,8 @@ TEST(Composition, RefusesUnknownNamesAndValuesOutOfBounds) {
   EXPECT_EQ(build({"bouc_wen", "", {{"strength", 1}}}),
             "term 'bouc_wen' has no parameter 'strength'");
   EXPECT_EQ(build({"bouc_wen", "", {{"beta", 2}}}), "term 'bouc_wen': beta is 2, expected 0 to 1");
-  EXPECT_EQ(build({"bouc_wen", "", {}, 1}),
-            "term 'bouc_wen' couples both axes; it cannot be limited to one");
+  EXPECT_EQ(build({"planar_friction", "", {}, 1}),
+            "term 'planar_friction' couples both axes; it cannot be limited to one");
   EXPECT_EQ(error_of([] {
               Composition({{"bouc_wen", "", {}}, {"bouc_wen", "", {}}}, 1e-3);
             }),
@@ -96,8 +114,8 @@ TEST(TermReader, ReportsTheLineOfWrongAxesAndChannels) {
   const auto error = [](const std::string& text) { return error_of([&] { parsed_terms(text); }); };
   EXPECT_EQ(error("[coulomb_friction]\naxes = []\n"),
             "b.toml:2:8: axes is empty, expected long, lat or both");
-  EXPECT_EQ(error("[bouc_wen]\naxes = [\"long\"]\n"),
-            "b.toml:2:8: 'bouc_wen' couples both axes; it cannot be limited to one");
+  EXPECT_EQ(error("[planar_friction]\naxes = [\"long\"]\n"),
+            "b.toml:2:8: 'planar_friction' couples both axes; it cannot be limited to one");
   EXPECT_EQ(error("[bouc_wen]\nchannel = \"force\"\n"),
             "b.toml:2:11: 'bouc_wen' has no selectable channel");
   EXPECT_EQ(error("[coulomb_friction]\naxes = [\"long\"]\nfriction_force_N = [1, 2]\n"),

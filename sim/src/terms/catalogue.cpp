@@ -50,6 +50,10 @@ const TermKind& term_kind(std::string_view name) {
 
 bool has_trait(std::string_view kind, Trait trait) { return (term_kind(kind).traits & trait) != 0; }
 
+bool may_act_on_one_axis(const TermKind& kind) {
+  return (kind.traits & kPerAxis) != 0 || kind.stage == Stage::Restoring;
+}
+
 const Parameter& parameter_of(const TermKind& kind, std::string_view name) {
   for (const auto& parameter : kind.parameters)
     if (parameter.name == name) return parameter;

@@ -17,6 +17,30 @@ double most_substeps(double substep) { return std::ceil(kForgotten / substep); }
 // Weakly coupled axes forget more slowly if one moves far less than the other.
 constexpr double kMostSubstepsUncoupled = 400;
 
+// A vector of a law that moves along one axis: half the work of one in the plane.
+template <class Real>
+struct Line {
+  Real x{};
+
+  [[gnu::always_inline]] friend Line operator+(const Line& a, const Line& b) { return {a.x + b.x}; }
+  [[gnu::always_inline]] friend Line operator-(const Line& a, const Line& b) { return {a.x - b.x}; }
+  template <class Factor>
+  [[gnu::always_inline]] friend Line operator*(const Line& a, const Factor& b) {
+    return {a.x * b};
+  }
+};
+
+template <class Real>
+[[gnu::always_inline]] inline Real dot(const Line<Real>& a, const Line<Real>& b) {
+  return a.x * b.x;
+}
+
+template <class Real>
+Real length(const Line<Real>& a) {
+  using std::abs;
+  return abs(a.x);
+}
+
 template <class Real>
 Real sign_of(const Real& x) {
   return x > 0 ? Real{1} : (x < 0 ? Real{-1} : Real{0});
@@ -30,19 +54,19 @@ Real sharpness(const Real& square, const Real& eta) {
   return square > 0 ? Real{pow(square, 0.5 * eta - 1)} : Real{0};
 }
 
-template <class Rule, class Real>
-void runge_kutta(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& du,
-                 const Plane<Real>& k1) {
-  const Plane<Real> k2 = Rule::rate(term, z + k1 * 0.5, du);
-  const Plane<Real> k3 = Rule::rate(term, z + k2 * 0.5, du);
-  const Plane<Real> k4 = Rule::rate(term, z + k3, du);
+template <class Rule, class Real, template <class> class Vector>
+void runge_kutta(const TermView<Real>& term, Vector<Real>& z, const Vector<Real>& du,
+                 const Vector<Real>& k1) {
+  const Vector<Real> k2 = Rule::rate(term, z + k1 * 0.5, du);
+  const Vector<Real> k3 = Rule::rate(term, z + k2 * 0.5, du);
+  const Vector<Real> k4 = Rule::rate(term, z + k3, du);
   z = z + (k1 + k4 + (k2 + k3) * 2.0) * (1.0 / 6);
 }
 
 // One substep, split where unloading turns into loading: there the rate has a kink.
-template <class Rule, class Real>
-void integrate_substep(const TermView<Real>& term, Plane<Real>& z, Plane<Real> du) {
-  Plane<Real> k1 = Rule::rate(term, z, du);
+template <class Rule, class Real, template <class> class Vector>
+void integrate_substep(const TermView<Real>& term, Vector<Real>& z, Vector<Real> du) {
+  Vector<Real> k1 = Rule::rate(term, z, du);
   const double work = value_of(dot(z, du)), change = value_of(dot(k1, du));
   if (work < 0 && work + change > 0) {
     const double kink = -work / change;
@@ -72,20 +96,20 @@ void step_bouc_wen(const TermView<Real>& term, Quantities<Real>& q) {
          term.parameters[Rule::kStiffness] * q.stiffness);
 }
 
-template <class Rule, class Real>
-void integrate_evenly(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment,
+template <class Rule, class Real, template <class> class Vector>
+void integrate_evenly(const TermView<Real>& term, Vector<Real>& z, const Vector<Real>& increment,
                       double substep, double most) {
   const double yields =
       value_of(length(increment)) / value_of(term.parameters[Rule::kYieldDisplacement]);
   const double wanted = substeps_of(yields, substep);
   const int substeps = static_cast<int>(std::min(wanted, most));
-  const Plane<Real> du = increment * (1 / wanted);
+  const Vector<Real> du = increment * (1 / wanted);
   for (int i = 0; i < substeps; ++i) integrate_substep<Rule>(term, z, du);
 }
 
 // The exact laws keep |z| <= 1; the integration may exceed it by its error.
-template <class Real>
-void into_unit_circle(Plane<Real>& z) {
+template <class Real, template <class> class Vector>
+void into_unit_circle(Vector<Real>& z) {
   const Real radius = length(z);
   if (radius > 1) z = z * (1 / radius);
 }
@@ -134,6 +158,17 @@ struct BoucWen : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
            per_yield;
   }
 
+  template <class Real>
+  static Line<Real> rate(const TermView<Real>& term, const Line<Real>& z, const Line<Real>& du) {
+    return (du - z * bending(term, dot(z, z), dot(z, du))) *
+           (1 / term.parameters[kYieldDisplacement]);
+  }
+
+  template <class Real>
+  static void confine(const TermView<Real>&, Line<Real>& z) {
+    into_unit_circle(z);
+  }
+
   // With coupling below 1 the law itself leaves the unit circle; at coupling 0 it fills the square.
   template <class Real>
   static void confine(const TermView<Real>& term, Plane<Real>& z) {
@@ -146,6 +181,13 @@ struct BoucWen : Acts<Stage::Restoring, kDissipative | kFrameIndifferent> {
   template <class Real>
   static void integrate(const TermView<Real>& term, Plane<Real>& z, const Plane<Real>& increment) {
     const double substep = substep_for(value_of(term.parameters[kEta]));
+    if (is_just(term.parameters[kCoupling], 1) && is_just(z.y, 0) && is_just(increment.y, 0)) {
+      Line<Real> along{z.x};
+      integrate_evenly<BoucWen>(term, along, Line<Real>{increment.x}, substep,
+                                most_substeps(substep));
+      z.x = along.x;
+      return;
+    }
     integrate_evenly<BoucWen>(
         term, z, increment, substep,
         term.parameters[kCoupling] < 1 ? kMostSubstepsUncoupled : most_substeps(substep));

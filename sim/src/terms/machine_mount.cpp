@@ -80,7 +80,7 @@ struct TransducerBacklash : Acts<Stage::Motion, kPerAxis> {
 
 struct InputDeadZone : Acts<Stage::Motion, kPerAxis> {
   static constexpr Text kName = "input_dead_zone";
-  static constexpr Text kTitle = "dead zone between platen and specimen";
+  static constexpr Text kTitle = "dead zone of the input";
   static constexpr Text kEquation = "u_specimen = u - clip(u, d)";
   enum { kHalfWidth };
   static constexpr Parameter kParameters[] = {{"half_width", "m", 0, 10, 0, 5e-3}};

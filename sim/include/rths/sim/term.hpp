@@ -132,6 +132,9 @@ struct TermKind {
 [[nodiscard]] const TermKind& term_kind(std::string_view name);
 /// Whether a kind has a trait. @throws Error as `term_kind`   @setup
 [[nodiscard]] bool has_trait(std::string_view kind, Trait trait);
+/// Whether a term may be limited to one axis: the axes are independent, or it is a law of the
+/// specimen's force, which then sees the motion of this axis alone.
+[[nodiscard]] bool may_act_on_one_axis(const TermKind& kind);
 /// @throws Error if the kind has no parameter of this name   @setup
 [[nodiscard]] const Parameter& parameter_of(const TermKind& kind, std::string_view name);
 
