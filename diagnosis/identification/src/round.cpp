@@ -2,6 +2,7 @@
 #include "round.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <rths/core/text.hpp>
 #include <rths/identification/constants.hpp>
@@ -20,6 +21,15 @@ double value_there(const Hypothesis& hypothesis, const std::string& parameter) {
 // Σ w² over a fold.
 double energy_of(const Problem& problem, const Hypothesis& hypothesis, const Fold& fold) {
   return TestedHypothesis{problem, hypothesis}.variance(fold) * observations(problem, fold);
+}
+
+// Whether fits from these two begin at the same place, by the sizes of significant changes.
+bool is_near(const Hypothesis& one, const Hypothesis& other) {
+  for (std::size_t i = 0; i < one.free.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    if (std::abs(one.values[at] - other.values[at]) > one.free[i].scale) return false;
+  }
+  return true;
 }
 
 // A candidate in the place of the holder: all parameters have the values of the whole model, and
@@ -64,11 +74,10 @@ Round::Round(Problem& problem, const Folds& folds, const Extended& extended,
   const double base = energy_of(problem, base_, folds.first);
   std::vector<ShortFit> fits;
   try_best(base_, candidates, base, fits);
-  if (base > kFar * observations(problem, folds.first)) {
-    Hypothesis as_stated = extended.model;
-    as_stated.values.head(extended.stated.size()) = extended.stated;
+  Hypothesis as_stated = extended.model;
+  as_stated.values.head(extended.stated.size()) = extended.stated;
+  if (base > kFar * observations(problem, folds.first) && !is_near(base_, as_stated))
     try_best(as_stated, candidates, base, fits);
-  }
   compare(base, std::move(fits));
 }
 
