@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/identification/folds.hpp>
 
+#include <bit>
+
 #include <gtest/gtest.h>
 
 #include "identification/linear_relation.hpp"
@@ -9,8 +11,8 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr Eigen::Index kFoldRows = 320;
-constexpr double kFoldStep = 0.025;  // 8 s: pieces of 0.125 s, 5 rows
-constexpr Eigen::Index kPieceRows = 5;
+constexpr double kFoldStep = 0.025;  // 0.125 s are 5 rows, fewer than the least
+constexpr Eigen::Index kPieceRows = 8;
 
 std::vector<Record> records_for(const std::vector<Use>& uses) {
   std::vector<Record> records;
@@ -116,17 +118,78 @@ TEST(FoldsOf, BothContainPartOfAShortPeak) {
   }
 }
 
-TEST(FoldsOf, BothContainEachPartOfAMotionOfEightPeriods) {
+TEST(FoldsOf, BothContainEachPartOfAMotionOfTenPeriods) {
   const Divided divided{records_for({Use::Fit})};
 
   const auto& first = divided.folds.first.shares[0].weight;
-  for (Eigen::Index period = 1; period <= kFoldRows / 8; ++period)
+  for (Eigen::Index period = 1; period <= kFoldRows / 10; ++period)
     for (Eigen::Index phase = 0; phase < period; ++phase) {
       double sum = 0, all = 0;
       for (Eigen::Index row = phase; row < kFoldRows; row += period) sum += first[row], ++all;
       EXPECT_GT(sum, 0) << period << " " << phase;
       EXPECT_LT(sum, all) << period << " " << phase;
     }
+}
+
+// The rate that a case gives to rows of a quasi-static test is of no account.
+TEST(FoldsOf, AreTheSameAtEveryRateOfCoarseRows) {
+  std::vector<Eigen::ArrayXd> weights;
+  for (const double rate : {1.0, 8.0, 64.0}) {
+    const std::vector<Record> records{
+        linear_record("record", Use::Fit, 1 / rate, sine_of(3, kFoldRows), {})};
+    weights.push_back(Divided{records}.folds.first.shares[0].weight);
+  }
+
+  EXPECT_TRUE((weights[0] == weights[1]).all());
+  EXPECT_TRUE((weights[0] == weights[2]).all());
+}
+
+// Records of one pressure each: the third pressure alone determines no law of the pressure.
+std::vector<Record> records_at(const std::vector<double>& pressures) {
+  std::vector<Record> records;
+  for (const double pressure : pressures) {
+    const Use use = records.size() < 2 ? Use::Fit : Use::HeldOut;
+    records.push_back(linear_record("record " + std::to_string(records.size()), use, kFoldStep,
+                                    sine_of(3, kFoldRows), {}));
+    records.back().channels.push_back(
+        {"auxiliary.pressure", "Pa", std::vector<double>(kFoldRows, pressure)});
+  }
+  return records;
+}
+
+TEST(FoldsOf, ArePiecesOfAllRecordsIfOneFoldWouldNotDetermineALaw) {
+  const Divided divided{records_at({1e5, 7e5, 3e5, 5e5})};
+
+  EXPECT_EQ(divided.split.undetermined, "auxiliary.pressure");
+  EXPECT_FALSE(divided.split.by_record);
+  EXPECT_EQ(names_of(divided.split.held), (Names{"record 3"}));
+  EXPECT_EQ(records_in(divided.folds.first), (std::vector<std::size_t>{0, 1, 2}));
+  EXPECT_EQ(records_in(divided.folds.second), (std::vector<std::size_t>{0, 1, 2}));
+}
+
+TEST(FoldsOf, AreWholeRecordsIfAStateIsTheSameInAll) {
+  const Divided divided{records_at({1e5, 1e5, 1e5, 1e5})};
+
+  EXPECT_EQ(divided.split.undetermined, "");
+  EXPECT_TRUE(divided.split.by_record);
+}
+
+// A load that follows the order of Thue and Morse from piece to piece would be in one half alone.
+TEST(FoldsOf, DivideEveryLevelOfAState) {
+  std::vector<double> u(kFoldRows);
+  for (Eigen::Index row = 0; row < kFoldRows; ++row)
+    u[static_cast<std::size_t>(row)] =
+        std::popcount(static_cast<std::uint64_t>(row / kPieceRows)) % 2 == 1 ? 1 : 0.1;
+  std::vector<Record> records = records_for({Use::Fit});
+  records[0].channels.push_back({"auxiliary.displacement", "m", u});
+  records[0].channels.push_back({"auxiliary.velocity", "m/s", u});
+  const Divided divided{std::move(records)};
+
+  const auto& first = divided.folds.first.shares[0].weight;
+  double large = 0;
+  for (Eigen::Index row = 0; row < kFoldRows; ++row)
+    large += u[static_cast<std::size_t>(row)] > 0.5 ? first[row] : 0;
+  EXPECT_EQ(large, kFoldRows / 4);
 }
 
 TEST(FoldsOf, HaveNoRowsInGaps) {

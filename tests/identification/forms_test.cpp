@@ -225,6 +225,47 @@ TEST_F(Forms, DoNotTakeASaturatedSensorForHeldSamples) {
   EXPECT_LT(share_of("held samples"), 0.1);
 }
 
+// The measurement stays on its plateau for a tenth of a record, and leaves it as it came.
+TEST(HeldSamples, AreNoPlateau) {
+  constexpr Index kRows = 4000;
+  const VectorXd motion = VectorXd::LinSpaced(kRows, 0, 4);
+  LinearRelation relation;
+  relation.stated = linear_model({"stiffness"}, {3});
+  relation.deviation = {0.02};
+  const VectorXd force =
+      (3 * motion).cwiseMin(6) + (3 * motion).cwiseMax(7.2) - VectorXd::Constant(kRows, 7.2);
+  std::vector<Record> records{linear_record(
+      "record", Use::Fit, 1e-3, force + 0.02 * gauss(kRows, 1, 1), {{"stiffness", motion}})};
+  const Problem problem = linear_problem(relation, records);
+  std::vector<Description> found;
+
+  find_held_samples(TestedHypothesis{problem, relation.stated}, {{}, {}, whole({0})}, found);
+
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_LT(found[0].share, 0.1);
+}
+
+// A relaxation lags behind a sine, so that its residual is a sine of the test itself.
+TEST(ExternalForce, IsNotThatOfAPeriodicTest) {
+  constexpr Index kRows = 4000;
+  const VectorXd motion = sine_of(40, kRows);
+  LinearRelation relation;
+  relation.stated = linear_model({"stiffness"}, {3});
+  VectorXd lag(kRows);
+  for (Index i = 0; i < kRows; ++i) lag[i] = 10 * motion[(i + 25) % kRows];
+  std::vector<Record> records;
+  for (const unsigned seed : {1U, 2U})
+    records.push_back(linear_record("record " + std::to_string(seed), Use::Fit, 1e-3,
+                                    3 * motion + lag + gauss(kRows, 1, seed),
+                                    {{"stiffness", motion}}));
+  const Problem problem = linear_problem(relation, records);
+  std::vector<Description> found;
+
+  find_periodic_force(TestedHypothesis{problem, relation.stated}, two_records(), found);
+
+  EXPECT_TRUE(found.empty());
+}
+
 TEST_F(Forms, DoNotTakeADelayForHeldSamples) {
   measure([](const Motion& motion) -> VectorXd {
     constexpr Index kDelay = 4;  // [rows]

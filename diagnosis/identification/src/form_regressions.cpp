@@ -40,6 +40,12 @@ struct Form {
   std::string abscissa;  // u, v, path, t, N or I of the curve; empty: no curve
   std::function<MatrixXd(const StateSignals&)> design;
   bool is_friction = false;  // the design holds the curve twice, see friction()
+
+  // Whether it depends on rates or times, which rows without time do not have.
+  [[nodiscard]] bool needs_time() const {
+    return name.starts_with("v g(") || name.starts_with("f(v") || name == "g(u, v)" ||
+           abscissa == "t";
+  }
 };
 
 VectorXd bent(const VectorXd& v) { return (v.array() / kBentSpeed).asinh(); }
@@ -311,10 +317,12 @@ Description curve_of(const Form& form, const Regression& best, const ResidualVie
 
 void regress_forms(const TestedHypothesis& tested, const Folds& folds,
                    std::vector<Description>& found) {
+  const bool has_time = tested.problem().drive(0).has_time;
   const double excess = excess_on(tested, folds.second);
   const ResidualView first{tested, folds.first}, second{tested, folds.second};
   const Index outputs = tested.problem().drive(0).measured.cols();
   for (const auto& form : forms(outputs > 1, first.load().varies(), first.control().varies())) {
+    if (!has_time && form.needs_time()) continue;
     double gain = 0;
     Regression best;
     for (Index output = 0; output < outputs; ++output) {

@@ -78,15 +78,32 @@ std::vector<HeldPiece> holds_of(const VectorXd& measured, const VectorXd& predic
   return holds;
 }
 
-// Whether holds end in jumps of the prediction. Those of a signal that saturates or sticks do not.
-bool end_in_jumps(const std::vector<HeldPiece>& holds, const VectorXd& prediction) {
-  double last = 0, largest = 0;
-  for (const auto& [begin, end] : holds) {
+// A hold that is longer than the longest piece is several pieces, the last one first.
+std::vector<HeldPiece> joined(const std::vector<HeldPiece>& pieces) {
+  std::vector<HeldPiece> holds;
+  for (const HeldPiece& piece : pieces) {
+    if (!holds.empty() && holds.back().begin == piece.end)
+      holds.back().begin = piece.begin;
+    else
+      holds.push_back(piece);
+  }
+  return holds;
+}
+
+// Whether the measurement jumps behind holds to where the prediction has gone. That of a signal
+// that saturates, sticks or has a plateau goes on from where it is.
+bool end_in_jumps(const std::vector<HeldPiece>& holds, const VectorXd& measured,
+                  const VectorXd& prediction) {
+  double jumped = 0, last = 0, largest = 0;
+  for (const auto& [begin, end] : joined(holds)) {
     const VectorXd change = prediction.segment(begin, end - begin).array() - prediction[begin - 1];
-    last += std::pow(change[change.size() - 1], 2);
+    const double gone = change[change.size() - 1];
+    const Index behind = std::min(end + kHoldEdge, measured.size()) - 1;
+    jumped += gone * (measured[behind] - measured[end - 1]);
+    last += gone * gone;
     largest += change.cwiseAbs2().maxCoeff();
   }
-  return last > largest / 2;
+  return last > largest / 2 && jumped > last / 2;
 }
 
 // The signal without the rows of the holds and their edges, which a filter smears.
@@ -125,7 +142,7 @@ void find_held_samples(const TestedHypothesis& tested, const Folds& folds,
       const VectorXd measured = drive.measured.col(output), prediction = predictions.col(output);
       const auto holds =
           holds_of(measured, prediction, noise.deviation().col(output), price, drive.first_row);
-      if (holds.empty() || !end_in_jumps(holds, prediction)) continue;
+      if (holds.empty() || !end_in_jumps(holds, measured, prediction)) continue;
       VectorXd residual = measured - prediction;
       if (share.weight.size() > 0) residual.array() *= share.weight;
       energy +=

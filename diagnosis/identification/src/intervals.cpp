@@ -151,7 +151,8 @@ MatrixXd covariance_of(const Problem& problem, const Fold& fold, const Hypothesi
   const Index count = fitted.values.size();
   const Minimum minimum{problem, fold, fitted};
   if (!minimum.exists()) return MatrixXd::Zero(count, count);
-  const auto block = static_cast<Index>(kClusterBlock / problem.drive(0).time_step) + 1;
+  const Index block =
+      std::max(kLeastCluster, static_cast<Index>(kClusterBlock / problem.drive(0).time_step) + 1);
   const double mean_square =
       std::max(1.0, minimum.residual.squaredNorm() / std::max(1.0, observations(problem, fold)));
   VectorXd variance = sandwich(minimum.jacobian, minimum.residual, minimum.inverse, block)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,10 +22,10 @@ struct OutputRows {
   ArrayXd weight;
   MatrixXd residual;
 
-  OutputRows(const TestedHypothesis& tested, const Fold::Share& share)
+  OutputRows(const TestedHypothesis& tested, const Fold::Share& share, MatrixXd whitened)
       : noise{tested.problem().noise(share.record)},
         time_step{tested.problem().drive(share.record).time_step},
-        residual{tested.whitened(share.record)} {
+        residual{std::move(whitened)} {
     weight = share.weight.size() > 0 ? share.weight : ArrayXd::Ones(residual.rows());
     residual.array().colwise() *= weight;
   }
@@ -44,7 +45,19 @@ struct OutputRows {
 
 std::vector<OutputRows> rows_of(const TestedHypothesis& tested, const Fold& fold) {
   std::vector<OutputRows> all;
-  for (const auto& share : fold.shares) all.emplace_back(tested, share);
+  for (const auto& share : fold.shares)
+    all.emplace_back(tested, share, tested.whitened(share.record));
+  return all;
+}
+
+// The same of the measurements.
+std::vector<OutputRows> measured_rows_of(const TestedHypothesis& tested, const Fold& fold) {
+  std::vector<OutputRows> all;
+  for (const auto& share : fold.shares) {
+    MatrixXd measured = tested.problem().drive(share.record).measured;
+    measured.rowwise() -= measured.colwise().mean().eval();
+    all.emplace_back(tested, share, tested.problem().noise(share.record).whitened(measured));
+  }
   return all;
 }
 
@@ -109,12 +122,31 @@ double refined(const std::vector<OutputRows>& all, double line) {
   return at;
 }
 
+double residual_energy(const std::vector<OutputRows>& all) {
+  double energy = 0;
+  for (const auto& rows : all) energy += rows.residual.squaredNorm();
+  return energy;
+}
+
+// Whether a frequency is a multiple of that of a periodic test, whose residual is periodic too,
+// whatever the missing effect.
+bool is_of_test(const std::vector<OutputRows>& measured, double frequency) {
+  constexpr double kPeriodic = 0.5;  // of the energy of the measurement
+  const double test = refined(measured, highest_line(measured));
+  const double order = std::round(frequency / test);
+  return order >= 1 &&
+         std::abs(frequency - order * test) * measured[0].duration() < std::max(1.0, order / 2) &&
+         continued(measured, test) > kPeriodic * residual_energy(measured);
+}
+
 }  // namespace
 
 void find_periodic_force(const TestedHypothesis& tested, const Folds& folds,
                          std::vector<Description>& found) {
+  if (!tested.problem().drive(0).has_time) return;
   const auto first = rows_of(tested, folds.first);
   const double frequency = refined(first, highest_line(first));
+  if (is_of_test(measured_rows_of(tested, folds.first), frequency)) return;
   const double share =
       continued(rows_of(tested, folds.second), frequency) / excess_on(tested, folds.second);
   // A force that acts at rest, too, is a part of the estimated noise.

@@ -46,6 +46,11 @@ ParameterChange best_change(const VectorXd& w, const MatrixXd& J, const Compleme
   return best;
 }
 
+std::string at_time(const std::string& parameter, double time, bool has_time) {
+  return has_time ? fmt::format("change of {} at {:.1f} s", parameter, time)
+                  : fmt::format("change of {} at row {:.0f}", parameter, time);
+}
+
 }  // namespace
 
 void find_change(const TestedHypothesis& tested, const Folds& folds,
@@ -72,7 +77,7 @@ void find_change(const TestedHypothesis& tested, const Folds& folds,
   excess = std::max(excess, kLeastExcess * observations(tested.problem(), folds.both));
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
   const double share = gain / excess * (*last - *first < 1.5 ? 1 : 0.5);
-  found.push_back({fmt::format("change of {} at {:.1f} s", parameter, times[0]),
+  found.push_back({at_time(parameter, times[0], tested.problem().drive(0).has_time),
                    share,
                    "",
                    {},

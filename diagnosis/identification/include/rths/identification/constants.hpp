@@ -76,6 +76,9 @@ inline constexpr double kOwnShare = 1e-7;  ///< [-] of a column that no other ex
 inline constexpr std::size_t kManyRecords = 4;  ///< [records] at least so many score each other
 inline constexpr Index kPieces = 32;            ///< [pieces] of a record that scores itself
 inline constexpr double kLongestPiece = 0.125;  ///< [s] less than a peak of strong motion lasts
+inline constexpr Eigen::Index kLeastRowsOfPiece = 8;  ///< [rows] of a longest piece, at any rate
+inline constexpr std::size_t kFewPieces = 8;     ///< [pieces] of a stratum: fewer cannot be divided
+inline constexpr double kDeterminedShare = 0.2;  ///< [-] of a state's range: determines its law
 inline constexpr double kScoreBlock = 1;  ///< [s] of resampling: longer than the noise's memory
 /// [-] smallest change of a prediction that counts, over the deviation of the output: integration,
 /// filters and sampling may cause as much
@@ -89,7 +92,8 @@ inline constexpr double kUnknownGain = -1;   ///< that only a fit can show: coun
 inline constexpr double kTriedShare = 0.02;  ///< [-] of the best screened gain
 inline constexpr double kSameGain = 1e-4;    ///< [-] difference of the gains of equal laws
 inline constexpr double kKeptShare = 0.35;   ///< [-] of the gain of the best short fit
-inline constexpr double kFar = 10;  ///< [-] mean w²: above it, fits also start at stated values
+/// [-] mean w²: above it, fits also start at stated values, unless the fitted ones are near them
+inline constexpr double kFar = 10;
 inline constexpr double kReversedShare = 0.5;  ///< [-] of the best gain on the second fold
 // An effect on one axis beside the same on all axes
 inline constexpr double kShareOfAllAxes = 0.9;  ///< [-] of the gain on all axes
@@ -142,7 +146,8 @@ inline constexpr double kNoiseUnknown = 0.8;     ///< [-] factor
 inline constexpr double kLargestInflation = 1e6;  ///< [-] of a variance, by other parameters
 inline constexpr std::size_t kBiasDraws = 4;      ///< [draws] of the noise in the motion
 inline constexpr double kLargestMove = 0.1;       ///< [scales] of a parameter, still linear
-inline constexpr double kClusterBlock = 1.5;      ///< [s] of the residual, which correlates within
+inline constexpr double kClusterBlock = 1.5;      ///< [s] of the residual, which correlates within,
+inline constexpr Eigen::Index kLeastCluster = 8;  ///< [rows] and at least so many rows
 
 // ---- Proof
 inline constexpr Index kLags = 20;            ///< [lags] of the residual's correlation

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <rths/identification/selection.hpp>
 
 namespace rths::diagnosis {
@@ -9,7 +12,11 @@ namespace rths::diagnosis {
 struct Split {
   std::vector<const Record*> records;  ///< of the problem: fitted and scored
   std::vector<const Record*> held;     ///< not used before the proof
-  bool by_record = false;              ///< each fold is a whole record, not pieces of one
+  /// Each fold is of whole records: the first held-out one scores those that are fitted.
+  bool by_record = false;
+  /// A recorded state that is constant in one of two folds of whole records, so that such a fold
+  /// determines no law of it. The folds are then pieces of all records. Empty: there is none.
+  std::string undetermined = {};  // NOLINT(readability-redundant-member-init)
 };
 
 /// Splits the records of a case. Of exactly two held-out records, the first scores the fits if

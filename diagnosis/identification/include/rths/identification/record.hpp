@@ -32,7 +32,8 @@ enum class Use {
 [[nodiscard]] std::string name_of(Use use);
 
 /// One recording: channels of equal length, equally spaced in time. The records of a case may have
-/// different sampling rates.
+/// different sampling rates. A quasi-static test may have rows without time: its times are then
+/// numbers of rows, from 1 on, one apart.
 struct Record {
   std::string name;  ///< unique in its case; default: name of its file
   Use use = Use::Fit;
@@ -45,6 +46,7 @@ struct Record {
   /// not compared.
   // NOLINTNEXTLINE(readability-redundant-member-init): initializers may leave it out
   std::vector<std::pair<std::size_t, std::size_t>> gaps = {};
+  bool has_time = true;
 
   [[nodiscard]] std::size_t samples() const;
   /// The channel of a role; null if it was not recorded.

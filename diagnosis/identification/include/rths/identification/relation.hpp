@@ -24,7 +24,8 @@ class Drive {
  public:
   virtual ~Drive() = default;
 
-  double start = 0, time_step = 0;  ///< of the rows [s]
+  double start = 0, time_step = 0;  ///< of the rows [s]; without time: the first row, and 1
+  bool has_time = true;             ///< as the record's
   MatrixXd measured;                ///< rows × outputs, filtered as predictions are
   /// States over which the residual is mapped: rows × outputs, empty if unknown [m], [m/s].
   MatrixXd displacement, velocity;
