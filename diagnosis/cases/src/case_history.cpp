@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <rths/cases/rest.hpp>
+
 namespace rths::diagnosis {
 namespace {
 
@@ -68,45 +70,40 @@ std::vector<Section> parts_of(const Section& whole, std::size_t count) {
 }
 
 // Noise is as large in each part. A coarse channel may be constant in most of them.
-void refuse_uneven(const Section& whole, double in_motion, const Config& table) {
+std::string unevenness_of(const Section& whole, double in_motion) {
   constexpr std::size_t kParts = 5, kFewestInPart = 10, kStepsOfNoise = 4;
   constexpr double kMostRatio = 4;
   constexpr double kInsignificant = 0.005;  // of the deviation in motion
-  if (whole.size() < kParts * kFewestInPart) return;
+  if (whole.size() < kParts * kFewestInPart) return "";
   auto parts = parts_of(whole, kParts);
   std::sort(parts.begin(), parts.end(), [](const Section& one, const Section& other) {
     return deviation_of(one) < deviation_of(other);
   });
   const Section& loudest = parts.back();
   const double largest = deviation_of(loudest), usual = deviation_of(parts[kParts / 2]);
-  if (largest <= std::max(kMostRatio * usual, kInsignificant * in_motion)) return;
-  if (std::set<double>{loudest.begin(), loudest.end()}.size() <= kStepsOfNoise) return;
+  if (largest <= std::max(kMostRatio * usual, kInsignificant * in_motion)) return "";
+  if (std::set<double>{loudest.begin(), loudest.end()}.size() <= kStepsOfNoise) return "";
   const Channel& channel = *whole.channel;
-  table.fail(
-      "quiet_s",
-      fmt::format("{} is not at rest in all of quiet_s of {}: its standard deviation is {:.3g} {} "
-                  "from {:.13g} to {:.13g} s, expected at most {} times the usual {:.3g} {}",
-                  channel.role, whole.record->name, largest, channel.unit,
-                  loudest.time_at(loudest.from), loudest.time_at(loudest.to), kMostRatio, usual,
-                  channel.unit));
+  return fmt::format(
+      "{} is not at rest in all of quiet_s of {}: its standard deviation is {:.3g} {} "
+      "from {:.13g} to {:.13g} s, expected at most {} times the usual {:.3g} {}",
+      channel.role, whole.record->name, largest, channel.unit, loudest.time_at(loudest.from),
+      loudest.time_at(loudest.to), kMostRatio, usual, channel.unit);
 }
 
-void refuse_motion_in(const Section& section, const std::vector<Record>& records,
-                      const Config& table) {
+std::string motion_in(const Section& section, const std::vector<Record>& records) {
   constexpr std::size_t kFewest = 10;  // samples that have a deviation
   constexpr double kMostShare = 0.5;   // of the deviation in motion: sensors may be noisy
   const double in_motion = deviation_in_motion(*section.channel, records);
-  if (section.size() < kFewest || !(in_motion > 0)) return;
+  if (section.size() < kFewest || !(in_motion > 0)) return "";
   const double found = deviation_of(section);
   const std::string& unit = section.channel->unit;
   if (found >= kMostShare * in_motion)
-    table.fail(
-        "quiet_s",
-        fmt::format("{} moves in quiet_s of {}: its standard deviation is {:.3g} {}, expected "
-                    "below {:.3g} {}, half of that in motion",
-                    section.channel->role, section.record->name, found, unit,
-                    kMostShare * in_motion, unit));
-  refuse_uneven(section, in_motion, table);
+    return fmt::format(
+        "{} moves in quiet_s of {}: its standard deviation is {:.3g} {}, expected "
+        "below {:.3g} {}, half of that in motion",
+        section.channel->role, section.record->name, found, unit, kMostShare * in_motion, unit);
+  return unevenness_of(section, in_motion);
 }
 
 // Distance from the smallest to the largest value of a channel in some samples; 0: not recorded.
@@ -235,6 +232,17 @@ void refuse_overlap(const RecordWithTable& earlier, const RecordWithTable& later
 
 }  // namespace
 
+std::string motion_at_rest(const Record& record, std::pair<std::size_t, std::size_t> samples,
+                           const std::vector<Record>& records) {
+  for (const auto& channel : record.channels) {
+    if (!shows_motion(channel)) continue;
+    if (std::string motion = motion_in({&record, &channel, samples.first, samples.second}, records);
+        !motion.empty())
+      return motion;
+  }
+  return "";
+}
+
 void refuse_motion_at_rest(const std::vector<Record>& records, const std::vector<Config>& tables) {
   for (std::size_t i = 0; i < records.size(); ++i) {
     const Record& record = records[i];
@@ -243,10 +251,8 @@ void refuse_motion_at_rest(const std::vector<Record>& records, const std::vector
       refuse_motion_of_reference(record, tables[i], records);
       continue;
     }
-    for (const auto& channel : record.channels)
-      if (shows_motion(channel))
-        refuse_motion_in({&record, &channel, record.quiet->first, record.quiet->second}, records,
-                         tables[i]);
+    if (const std::string motion = motion_at_rest(record, *record.quiet, records); !motion.empty())
+      tables[i].fail("quiet_s", motion);
   }
 }
 
