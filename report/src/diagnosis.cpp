@@ -171,7 +171,7 @@ std::string table_of(const std::vector<const diagnosis::Trace*>& traces) {
       first.cutoff > 0
           ? fmt::format("All columns passed a low-pass filter at {:.4g} Hz.", first.cutoff)
           : "No filter.");
-  text += "time [s]";
+  text += first.has_time ? "time [s]" : "row";
   for (const auto* trace : traces)
     for (const char* column : {"measured", "before", "after", "residual", "noise"})
       text += fmt::format(",{} {} [{}]", trace->channel, column, trace->unit);

@@ -59,6 +59,7 @@ Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
           {"channel", trace.channel},
           {"unit", trace.unit},
           {"abscissa_label", trace.abscissa_label},
+          {"time_label", trace.has_time ? "time [s]" : "row"},
           {"time", curve(trace.time, most)},
           {"abscissa", curve(trace.abscissa, most)},
           {"measured", curve(trace.measured, most)},

@@ -60,10 +60,17 @@ std::string effects_text(const Plan::Examined& examined) {
 }
 
 std::string examined_text(const Plan::Examined& examined) {
+  const std::string compared = examined.rate > 0
+                                   ? fmt::format("compared at {:.4g} Hz", examined.rate)
+                                   : "compared row by row";
   std::string text = fmt::format(
-      "\nrelation  {}: {}, {}compared at {:.4g} Hz\n", examined.relation,
-      fmt::join(examined.outputs, ", "),
-      examined.cutoff > 0 ? fmt::format("below {:.3g} Hz, ", examined.cutoff) : "", examined.rate);
+      "\nrelation  {}: {}, {}{}\n", examined.relation, fmt::join(examined.outputs, ", "),
+      examined.cutoff > 0 ? fmt::format("below {:.3g} Hz, ", examined.cutoff) : "", compared);
+  text += fmt::format(
+      "cost      {:.0f} values, about {:.0f} MB; some {:.1g} s of processor time if nothing is "
+      "missing, up to some {:.1g} s\n",
+      examined.cost.values, examined.cost.memory * 1e-6, examined.cost.shortest,
+      examined.cost.longest);
   for (const auto& visited : examined.visited) text += "visited   " + visited + "\n";
   if (!examined.fitted.empty())
     text += fmt::format("fitted    {}\n", fmt::join(examined.fitted, ", "));
@@ -105,7 +112,8 @@ std::string where_text(const Verdict& verdict) {
   if (verdict.conclusion.where.channel.empty()) return "";
   return fmt::format("where     {}, {}{}{}\n", name_of(verdict.conclusion.where.part),
                      verdict.conclusion.where.channel,
-                     intervals_text(verdict.conclusion.where.intervals, "s"),
+                     intervals_text(verdict.conclusion.where.intervals,
+                                    verdict.conclusion.where.has_time ? "s" : "(rows)"),
                      intervals_text(verdict.conclusion.where.bands, "Hz"));
 }
 
@@ -170,8 +178,11 @@ std::string plan_summary(const Plan& plan) {
   std::size_t width = 0;
   for (const auto& record : plan.records) width = std::max(width, record.name.size());
   for (const auto& record : plan.records)
-    text += fmt::format("record    {:<{}}  {:>6.4g} s at {:.5g} Hz: {}\n", record.name, width,
-                        record.duration, record.rate, record.role);
+    text += record.rate > 0
+                ? fmt::format("record    {:<{}}  {:>6.4g} s at {:.5g} Hz: {}\n", record.name, width,
+                              record.duration, record.rate, record.role)
+                : fmt::format("record    {:<{}}  {:.0f} rows without time: {}\n", record.name,
+                              width, record.duration, record.role);
   text += "noise     " + plan.noise.source + "\n";
   if (!plan.noise.remedy.empty())
     text +=

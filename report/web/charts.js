@@ -130,7 +130,8 @@ const charts = (() => {
   // Measurement over time, and below it the mismatch over time.
   const timeStrip = (container, caption, profile, intervals, curve, units) => {
     const box = figure(container, caption, [{ label: units.name, color: "measured" }]);
-    responsive(box, curve ? 250 : 170, summaryOf(caption, profile, "[s]"), (picture, width, height) => {
+    const isTime = profile.name === "time", label = isTime ? "[s]" : "[-]";
+    responsive(box, curve ? 250 : 170, summaryOf(caption, profile, label), (picture, width, height) => {
       const domain = [profile.edges[0], profile.edges[profile.edges.length - 1]];
       const x = scale(domain, [58, width - 8]);
       const split = curve ? 120 : 8;
@@ -146,13 +147,13 @@ const charts = (() => {
       const y = scale([0, top * 1.06], [height - 40, split + 10]);
       yAxis(picture, y, [0, top], 58, width - 8, "[%]");
       bars(picture, profile, x, y, intervals);
-      xAxis(picture, x, domain, height - 40, "time [s]");
-      const cell = cellAt(profile, x, "[s]");
+      xAxis(picture, x, domain, height - 40, isTime ? "time [s]" : "row");
+      const cell = cellAt(profile, x, label);
       return left => {
         const told = cell(left);
         if (!told || !curve) return told;
         const time = domain[0] + (left - 58) / (width - 66) * (domain[1] - domain[0]), i = nearest(curve.x, time);
-        return [...told, `measured: ${brief(curve.y[i])} ${unitOf(units.label)} at ${curve.x[i].toFixed(2)} s`];
+        return [...told, `measured: ${brief(curve.y[i])} ${unitOf(units.label)} at ${isTime ? `${curve.x[i].toFixed(2)} s` : `row ${curve.x[i]}`}`];
       };
     });
   };

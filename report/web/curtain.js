@@ -65,7 +65,7 @@ const curtain = (() => {
     if (parted) addHandle(plot);
   };
   const histories = (container, caption, yLabel, time, curves, parted, options = {}) => {
-    const plot = figures.lines(container, caption, time, "time [s]", yLabel, curves,
+    const plot = figures.lines(container, caption, time, options.timeLabel || "time [s]", yLabel, curves,
       { axis: quantityAxis, paint, group, height: kHeight, behind: options.noise ? noiseBand(options.noise) : undefined, ...options });
     if (options.noise)
       plot.root.parentNode.querySelector(".key").append(el("span", {}, plots.swatch({ color: "noise-line", fill: "noise" }), "noise alone, ±2σ"));

@@ -66,7 +66,7 @@ const proof = (() => {
       const x = axis(trace.abscissa_label, largest(trace.abscissa));
       curtain.loops("proof-curves", "Loops", x.label, label, trace.abscissa.map(value => value * x.factor), trace.time, [measured, ...pair], isMissing);
     }
-    curtain.histories("proof-curves", "Time history", label, trace.time, [measured, ...pair], isMissing);
+    curtain.histories("proof-curves", "Time history", label, trace.time, [measured, ...pair], isMissing, { timeLabel: trace.time_label });
     const errors = pair.map(c => ({ ...c, label: c.label.replace("predicted", "measured − predicted"), width: 1,
       y: c.y.map((value, i) => measured.y[i] - value) }));
     const floor = v.fit[trace.record] && v.fit[trace.record].noise_floor;
@@ -74,7 +74,7 @@ const proof = (() => {
     for (const c of errors) c.y = c.y.map(value => value / y.factor * e.factor);
     const most = 1.05 * Math.max(...errors.map(c => largest(c.y)));
     curtain.histories("proof-residual", "Residual", `residual [${e.unit || "–"}]`, trace.time, errors, isMissing,
-      { height: 220, noise: floor ? 2 * floor * std(trace.measured) * e.factor : 0, range: [-most, most] });
+      { timeLabel: trace.time_label, height: 220, noise: floor ? 2 * floor * std(trace.measured) * e.factor : 0, range: [-most, most] });
   };
 
   // Error of a prediction as in the table: offset removed.

@@ -58,13 +58,15 @@ const where = (() => {
         : `Energy of the residual beyond the noise${on}, before any term is named${isRuled ? `, but ${rule}` : ""}`) +
       `. The smallest sets of cells that hold 80 % of it` +
       `${w.intervals_s.length ? ` cover ${quantities.ranges(w.intervals_s, "s")}` : ""}` +
+      `${w.intervals_rows.length ? ` cover rows ${quantities.ranges(w.intervals_rows, "")}` : ""}` +
       `${w.band_Hz.length ? `${w.intervals_s.length ? " and" : " cover"} ${quantities.ranges(w.band_Hz, "Hz")}` : ""}.`;
     chain();
     const trace = traceOf(w.record, w.channel);
     const profile = name => w.profiles.find(p => p.name === name && p.edges.length > 1);
-    if (profile("time")) {
+    const along = profile("time") || profile("row");
+    if (along) {
       const unit = trace && scaled(trace.unit, largest(trace.measured));
-      charts.timeStrip("where-time", "Time of the mismatch", profile("time"), w.intervals_s,
+      charts.timeStrip("where-time", `${along.name === "row" ? "Rows" : "Time"} of the mismatch`, along, [...w.intervals_s, ...w.intervals_rows],
         trace && { x: trace.time, y: trace.measured.map(value => value * unit.factor) },
         trace ? { name: `${trace.channel}, measured; below: share of ${energy}`, label: `[${unit.unit}]` } : { name: `share of ${energy}` });
     }
@@ -73,7 +75,7 @@ const where = (() => {
     if (cells.length) charts.stateMap("where-state", `State: share of ${energy} [%]`, cells, w.state);
     if (profile("frequency"))
       charts.histogram("where-profiles", "Frequency, in third octaves", profile("frequency"), "frequency [Hz]", w.band_Hz, true);
-    for (const p of w.profiles.filter(other => !["time", "frequency"].includes(other.name) && other.edges.length > 1)) {
+    for (const p of w.profiles.filter(other => !["time", "row", "frequency"].includes(other.name) && other.edges.length > 1)) {
       const x = axis(`${p.name} [${p.unit}]`, largest(p.edges));
       charts.histogram("where-profiles", `Over ${p.name}`, { ...p, edges: p.edges.map(e => e * x.factor) }, x.label, []);
     }

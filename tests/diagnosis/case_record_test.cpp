@@ -40,6 +40,31 @@ class RecordTest : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
+constexpr const char* kRows =
+    "time = \"none\"\ndisplacement.long = \"u [mm]\"\nforce.long = \"F [kN]\"\n";
+
+TEST_F(RecordTest, MayHaveRowsWithoutTime) {
+  const Case c = load("[[record]]\nfile = \"log.csv\"\nuse = \"fit\"\nspan_rows = [2, 4]\n", kRows);
+
+  EXPECT_FALSE(c.records[0].has_time);
+  EXPECT_EQ(c.records[0].start, 2);
+  EXPECT_EQ(c.records[0].time_step, 1);
+  EXPECT_EQ(c.records[0].find("force.long")->values, (Values{20e3, 30e3, 40e3}));
+}
+
+TEST_F(RecordTest, RefusesTimesOfRowsWithoutTime) {
+  EXPECT_EQ(error(std::string{kFit} + "span_s = [0, 1]\n", kRows),
+            "case.toml:9:10: the record has no time, expected no span_s: span_rows = [from, to] "
+            "selects rows");
+  EXPECT_EQ(error(std::string{kFit} + "span_rows = [1, 3]\n"),
+            "case.toml:9:13: the record has a time, expected span_s");
+  EXPECT_EQ(error(kFit, std::string{kRows} + "rate_Hz = 1\n"),
+            "case.toml:6:11: rate_Hz stands beside time = \"none\", expected only one of the two");
+  EXPECT_EQ(error(std::string{kFit} + "[model]\nkind = \"servo_axis\"\n", kRows),
+            "case.toml:9:2: a model of kind 'servo_axis' needs records with a time, expected "
+            "bearing, platen or data");
+}
+
 // Recordings of others, where they are at hand: 3000 samples at 100 Hz of one test.
 class StrangersTables : public ::testing::TestWithParam<const char*> {};
 

@@ -163,6 +163,9 @@ TEST(Plan, NamesPairsThatTheMotionCannotTellApart) {
   const std::string text = report::plan_summary(plan);
   EXPECT_EQ(text.rfind("case      guide, model of kind 'platen'\n", 0), 0U) << text;
   EXPECT_NE(text.find("search    machine: "), std::string::npos) << text;
+  EXPECT_NE(text.find("\ncost      "), std::string::npos) << text;
+  EXPECT_GT(plan.relations.back().cost.values, 0);
+  EXPECT_GT(plan.relations.back().cost.longest, plan.relations.back().cost.shortest);
 }
 
 TEST(Plan, OffersAMeasurementOfTheNoise) {
@@ -170,6 +173,36 @@ TEST(Plan, OffersAMeasurementOfTheNoise) {
   for (auto& record : c.records) record.quiet.reset();
 
   EXPECT_NE(diagnosis::plan(c).noise.remedy.find("quiet_s = [0, "), std::string::npos);
+}
+
+// The displacement is at rest for two seconds, but the force grows in the second one: a case with
+// all of this section as quiet_s would be refused.
+TEST(Plan, OffersNoSectionAtRestInWhichAForceMoves) {
+  Case c = with_friction(0);
+  for (auto& record : c.records) {
+    record.quiet.reset();
+    for (auto& channel : record.channels)
+      for (std::size_t i = 250; i < 500 && channel.role == "force.long"; ++i)
+        channel.values[i] += 16.0 * static_cast<double>(i - 250);
+  }
+
+  const std::string remedy = diagnosis::plan(c).noise.remedy;
+
+  const std::string begin = "quiet_s = [0, ";
+  const auto at = remedy.find(begin);
+  ASSERT_NE(at, std::string::npos) << remedy;
+  EXPECT_LT(std::stod(remedy.substr(at + begin.size())), 1.3);
+}
+
+// Only the motion of the one pressure that is held out first would score a law of the pressure.
+TEST(Plan, SaysThatAStateIsNotDetermined) {
+  Case c = with_friction(0);
+  for (std::size_t i = 0; i < c.records.size(); ++i)
+    c.records[i].channels.push_back(
+        {"auxiliary.pressure", "Pa",
+         std::vector<double>(c.records[i].samples(), 1e5 * static_cast<double>(i + 1))});
+
+  EXPECT_TRUE(has_limit(diagnosis::plan(c).limits, "auxiliary.pressure hardly varies in some"));
 }
 
 }  // namespace

@@ -114,6 +114,22 @@ std::vector<Record> read_records(const Config& file, Files& files) {
   return records;
 }
 
+// A law without rates alone describes rows without time.
+void check_time(const Config& file, const Case& c) {
+  const auto has_none = [](const Record& record) { return !record.has_time; };
+  const auto count = std::count_if(c.records.begin(), c.records.end(), has_none);
+  if (count == 0) return;
+  if (count != std::ssize(c.records))
+    file.fail("record", "some records have a time and some have none, expected all or none");
+  if (file.has("compare")) file.fail("compare", "the records have no time, expected no [compare]");
+  const ModelKind kind = c.model.kind;
+  if (kind != ModelKind::Bearing && kind != ModelKind::Platen && kind != ModelKind::Data)
+    file.fail("model",
+              fmt::format("a model of kind '{}' needs records with a time, expected bearing, "
+                          "platen or data",
+                          name_of(kind)));
+}
+
 // The records and the model of a run; the file may replace the model.
 Case case_with_run(const Config& file) {
   Case result = file.placed("run", [&] { return case_of_run(file.resolve(file.text("run"))); });
@@ -140,6 +156,7 @@ Case case_of_file(const std::filesystem::path& path) {
   result.folder = path.has_parent_path() ? path.parent_path() : ".";
   result.name = name_in(file, name_of_folder(result.folder));
   if (!is_of_run || file.has("model")) result.model = read_model(file.table_or_empty("model"));
+  check_time(file, result);
   // The state of a free-running model at the start of a section is its own affair: `initial`.
   if (!is_of_run && is_composition(result.model.kind))
     join_sections(result.records, file.tables("record"));

@@ -135,7 +135,8 @@ void refuse_motion_of_reference(const Record& reference, const Config& table,
 }
 
 bool is_section(const Record& record, const Config& table) {
-  return table.has("span_s") && !table.has("channels") && record.use != Use::Reference;
+  return (table.has("span_s") || table.has("span_rows")) && !table.has("channels") &&
+         record.use != Use::Reference;
 }
 
 bool have_same_channels(const Record& one, const Record& other) {

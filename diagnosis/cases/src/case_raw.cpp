@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,13 @@ namespace {
 
 void read_time(const Config& channels, Files& files, Raw& raw) {
   if (!channels.has("time")) return;
+  if (channels.text("time") == kNoTime) {
+    if (channels.has("rate_Hz"))
+      channels.fail("rate_Hz",
+                    "rate_Hz stands beside time = \"none\", expected only one of the two");
+    raw.has_time = false;
+    return;
+  }
   const Source source = source_of(channels, "time");
   if (source.unit.si != "s")
     channels.fail("time", fmt::format("time is in {}, expected a unit of time", source.unit.si));
@@ -107,6 +115,11 @@ Raw read_raw(const Config& channels, Files& files, const std::string& file) {
   complete(raw, channels);
   hold(raw, channels);
   if (!raw.time.empty()) return raw;
+  if (!raw.has_time) {
+    raw.time.resize(raw.channels[0].values.size());
+    std::iota(raw.time.begin(), raw.time.end(), 1.0);
+    return raw;
+  }
   const double rate = channels.number_in("rate_Hz", kLowestRate, kHighestRate);
   for (std::size_t i = 0; i < raw.channels[0].values.size(); ++i)
     raw.time.push_back(static_cast<double>(i) / rate);
@@ -121,9 +134,9 @@ void cut_out(Raw& raw, double from, double to) {
   const auto last = std::find_if(raw.time.rbegin(), raw.time.rend(), inside).base();
   if (last - first < 2)
     throw Error{
-        fmt::format("{} to {} s contains fewer than two samples; the recording covers {} to "
-                    "{} s",
-                    from, to, raw.time.front(), raw.time.back())};
+        fmt::format("{0} to {1}{4} contains fewer than two samples; the recording covers {2} to "
+                    "{3}{4}",
+                    from, to, raw.time.front(), raw.time.back(), raw.has_time ? " s" : "")};
   const auto begin = first - raw.time.begin(), end = last - raw.time.begin();
   for (auto& channel : raw.channels) cut(channel.values, begin, end);
   cut(raw.time, begin, end);

@@ -15,10 +15,13 @@ namespace rths::diagnosis {
 inline constexpr double kPrintedTime = 1e-6;  ///< resolution of printed time stamps [s]
 inline constexpr double kLowestRate = 1e-6, kHighestRate = 1e9;  ///< sampling rate [Hz]
 
+inline constexpr const char* kNoTime = "none";  ///< as the time of rows without time
+
 /// Contents of a record's file, before cutting and resampling.
 struct Raw {
   std::string file;
-  std::vector<double> time;  ///< [s]
+  bool has_time = true;
+  std::vector<double> time;  ///< [s]; without time the numbers of the rows, from 1 on
   std::vector<Channel> channels;
   Trouble time_trouble;                                   ///< of `time`
   std::vector<Trouble> troubles;                          ///< of each channel

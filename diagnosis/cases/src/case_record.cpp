@@ -136,6 +136,17 @@ void read_settle(const Config& table, Record& record) {
   record.settle = table.number_in("settle_s", 0, length, 0.0);
 }
 
+// Rows without time have no seconds, and times no rows.
+void refuse_times(const Config& table, bool has_time) {
+  if (has_time && table.has("span_rows"))
+    table.fail("span_rows", "the record has a time, expected span_s");
+  for (const char* key : {"span_s", "quiet_s", "settle_s", "resample_Hz"})
+    if (!has_time && table.has(key))
+      table.fail(key, fmt::format("the record has no time, expected no {}: span_rows = [from, to] "
+                                  "selects rows",
+                                  key));
+}
+
 // A record's own time replaces the rate of the case, and its own rate the time.
 Config channels_of(const Config& table, const Config& channels) {
   const Config own = table.table_or_empty("channels");
@@ -205,9 +216,12 @@ Record read_record(const Config& table, const Config& channels, Files& files, bo
   Record record;
   record.name = name_in(table, std::filesystem::path{file}.filename().string());
   record.use = read_use(table);
-  if (table.has("span_s")) {
-    const auto span = span_of(table, "span_s");
-    table.placed("span_s", [&] { cut_out(raw, span[0], span[1]); });
+  record.has_time = raw.has_time;
+  refuse_times(table, raw.has_time);
+  const char* const section = raw.has_time ? "span_s" : "span_rows";
+  if (table.has(section)) {
+    const auto span = span_of(table, section);
+    table.placed(section, [&] { cut_out(raw, span[0], span[1]); });
   }
   require_finite(raw);
   if (is_machine) {

@@ -252,6 +252,8 @@ void cover_unknown(const std::vector<std::unique_ptr<RelationFindings>>& all, bo
 TestProposal propose_test(const std::vector<std::unique_ptr<RelationFindings>>& all,
                           bool is_bearing, bool is_unknown) {
   TestProposal next;
+  // A test is a motion over time.
+  if (!all[0]->first.has_time) return next;
   if (is_unknown) cover_unknown(all, is_bearing, next);
   for (const auto& found : all) separate_ties(*found, is_bearing, next);
   return next;

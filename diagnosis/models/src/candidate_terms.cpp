@@ -1,9 +1,42 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "candidate_terms.hpp"
 
+#include <algorithm>
+
 #include "candidate_tables.hpp"
+#include "unit_scales.hpp"
 
 namespace rths::diagnosis {
+namespace {
+
+bool has_unit_of_time(const sim::Parameter& parameter) {
+  const auto factors = factors_of(parameter.unit);
+  return std::any_of(factors.begin(), factors.end(), [](const UnitFactor& factor) {
+    return factor.symbol == "s" || factor.symbol == "kg" || factor.symbol == "W";
+  });
+}
+
+}  // namespace
+
+bool needs_time(const CandidateTerm& entry) {
+  const auto& parameters = sim::term_kind(entry.kind).parameters;
+  return std::any_of(parameters.begin(), parameters.end(), [&](const sim::Parameter& parameter) {
+    if (!has_unit_of_time(parameter) || parameter.name == kCreepVelocity) return false;
+    return parameter.absent != 0 ||
+           std::any_of(entry.parameters.begin(), entry.parameters.end(),
+                       [&](const auto& own) { return own.name == parameter.name; });
+  });
+}
+
+bool needs_time(const sim::TermSettings& term) {
+  const auto& parameters = sim::term_kind(term.kind).parameters;
+  return std::any_of(parameters.begin(), parameters.end(), [&](const sim::Parameter& parameter) {
+    double value = parameter.absent;
+    for (const auto& [name, stated] : term.parameters)
+      if (name == parameter.name) value = stated;
+    return has_unit_of_time(parameter) && parameter.name != kCreepVelocity && value != 0;
+  });
+}
 
 std::span<const CandidateTerm> candidate_terms() {
   using namespace candidate_tables;

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include <rths/sim/composition.hpp>
+
 namespace rths::diagnosis {
 
 /// How a candidate fits a parameter of its kind. Values are in the natural units of the place where
@@ -75,6 +77,13 @@ struct CandidateTerm {
 };
 
 [[nodiscard]] std::span<const CandidateTerm> candidate_terms();
+
+/// Whether an effect depends on rates or times, so that rows without time cannot show it.
+[[nodiscard]] bool needs_time(const CandidateTerm& entry);
+/// The same of a term with its values.
+[[nodiscard]] bool needs_time(const sim::TermSettings& term);
+/// The speed at which friction turns: without time it turns at once.
+inline constexpr std::string_view kCreepVelocity = "creep_velocity";
 
 /// Kinds of the catalogue that are not searched for, and why.
 [[nodiscard]] std::span<const std::pair<std::string_view, std::string_view>> terms_not_searched();

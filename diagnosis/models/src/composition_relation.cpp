@@ -36,6 +36,7 @@ void widen(NaturalScale& scale, const MotionDrive& drive, std::size_t axis, Inde
   scale.output = std::max(scale.output, peak(measured));
   scale.duration = std::max(scale.duration, static_cast<double>(drive.rows()) * drive.time_step);
   scale.auxiliary = std::max(scale.auxiliary, peak(drive.auxiliary));
+  scale.has_time = drive.has_time;
   scale.has_temperature = scale.has_temperature || drive.temperature.size() > 0;
 }
 
@@ -104,6 +105,14 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
   scale_ = {kNothing, kNothing, kNothing, 0, 0, kNothing, kNothing, 0, false, 1};
   axis_scales_.assign(setup_.axes.size(), scale_);
   double load = 0;
+  const auto& channels = records[0]->channels;
+  const auto control = std::find_if(channels.begin(), channels.end(), [](const Channel& channel) {
+    return channel.role.starts_with("auxiliary.");
+  });
+  if (control != channels.end()) {
+    scale_.auxiliary_unit = control->unit;
+    for (auto& scale : axis_scales_) scale.auxiliary_unit = control->unit;
+  }
   for (const Record* record : records) {
     const auto drive = motion_drive(*record, setup_.channels, setup_.axes, setup_.pace);
     for (std::size_t i = 0; i < setup_.axes.size(); ++i)

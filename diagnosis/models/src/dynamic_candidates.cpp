@@ -88,6 +88,8 @@ struct TermSite {
   UnitScales scales;
   NaturalScale natural;
   bool is_only_one;  // of its type
+  bool has_time;
+  UnitSymbols symbols;
 };
 
 bool is_fitted(const CandidateParameter& choice) {
@@ -138,6 +140,7 @@ Candidate candidate_of(const CandidateTerm& entry, const TermSite& site, bool is
                                              parameter, site.scales,
                                              0.1 * std::abs(choice.starts[0]) * size));
     FreeParameter& freed = candidate.frees.back();
+    freed.unit = site.symbols.of(parameter.unit);
     if (choice.low < choice.high) {
       freed.low = std::max(freed.low, choice.low * size);
       freed.high = std::min(freed.high, choice.high * size);
@@ -186,6 +189,7 @@ void add_candidates(Place place, unsigned offered, const TermSite& site, const H
     if (is_in_model(base, entry.kind, site.name)) continue;
     // The stiffness of a spring is a possible cause of its own.
     if (entry.kind == "linear_stiffness" && (offered & CandidateTerm::kSpring) != 0) continue;
+    if (!site.has_time && needs_time(entry)) continue;
     // A fitted linear damper makes a second one redundant.
     if (entry.kind == "viscous_friction" && is_free(base, site.name + ".damping")) continue;
     const bool is_unique = std::none_of(base.terms.begin(), base.terms.end(), [&](const auto& one) {
@@ -269,9 +273,15 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
     const ConnectionSize& size = sizes.connections[i];
     if (!(size.displacement > 0 && size.velocity > 0 && size.force > 0)) continue;
     add_candidates(kOnConnection, offered_by(size),
-                   {model.connections[i].component, model.connections[i].title,
-                    model.connections[i].seen, Part::Structure, sizes.of_connection(size),
-                    natural_of_connection(size), model.connections.size() == 1},
+                   {model.connections[i].component,
+                    model.connections[i].title,
+                    model.connections[i].seen,
+                    Part::Structure,
+                    sizes.of_connection(size),
+                    natural_of_connection(size),
+                    model.connections.size() == 1,
+                    sizes.has_time,
+                    {}},
                    base, candidates);
   }
   const auto add_signals = [&](const std::vector<std::string>& roles,
@@ -279,11 +289,17 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
                                Part part) {
     for (std::size_t i = 0; i < roles.size(); ++i)
       if (signal_sizes[i].peak > 0)
-        add_candidates(
-            place, 0,
-            {roles[i], "at " + roles[i], roles[i], part, sizes.of_signal(signal_sizes[i]),
-             natural_of_signal(signal_sizes[i], sizes.time_step), false},
-            base, candidates);
+        add_candidates(place, 0,
+                       {roles[i],
+                        "at " + roles[i],
+                        roles[i],
+                        part,
+                        sizes.of_signal(signal_sizes[i]),
+                        natural_of_signal(signal_sizes[i], sizes.time_step),
+                        false,
+                        sizes.has_time,
+                        {signal_sizes[i].unit, signal_sizes[i].unit, "A"}},
+                       base, candidates);
   };
   if (model.has_terms_on_inputs) add_signals(model.inputs, sizes.inputs, kOnInput, Part::Actuator);
   add_signals(model.outputs, sizes.outputs, kOnOutput, Part::Sensor);

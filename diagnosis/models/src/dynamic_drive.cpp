@@ -86,6 +86,7 @@ std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hyp
   auto drive = std::make_unique<DynamicDrive>();
   drive->start = drive->signals.start = record.start;
   drive->time_step = record.time_step;
+  drive->has_time = record.has_time;
   drive->first_row = static_cast<Index>(std::lround(record.settle / record.time_step));
   drive->measured.resize(static_cast<Index>(record.samples()),
                          static_cast<Index>(model.outputs.size()));

@@ -58,6 +58,11 @@ DynamicSizes measured_sizes(const DynamicModel& model, const Hypothesis& base,
   sizes.outputs.resize(model.outputs.size());
   sizes.connections.resize(model.connections.size());
   sizes.time_step = records.front()->time_step;
+  sizes.has_time = records.front()->has_time;
+  for (std::size_t i = 0; i < model.inputs.size(); ++i)
+    sizes.inputs[i].unit = channel_of(*records.front(), model.inputs[i]).unit;
+  for (std::size_t i = 0; i < model.outputs.size(); ++i)
+    sizes.outputs[i].unit = channel_of(*records.front(), model.outputs[i]).unit;
   for (const Record* record : records) {
     const double step = record->time_step;
     for (std::size_t i = 0; i < model.inputs.size(); ++i)

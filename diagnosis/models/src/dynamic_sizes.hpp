@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "unit_scales.hpp"
@@ -10,6 +11,7 @@ namespace rths::diagnosis {
 /// Size of a signal over all records.
 struct SignalSize {
   double peak = 0, rms = 0, rate = 0;  ///< rate: largest rate of change [1/s]
+  std::string unit = "m";
 };
 
 /// Motion and force of a connection in the simulation as stated.
@@ -25,6 +27,7 @@ struct DynamicSizes {
   std::vector<SignalSize> inputs, outputs;  ///< outputs: as measured
   std::vector<ConnectionSize> connections;
   double time_step = 0;  ///< [s]
+  bool has_time = true;
 
   [[nodiscard]] double time_scale() const;
   /// Units of the terms on a signal, and on a connection.

@@ -144,7 +144,8 @@ class Builder {
                                    const CandidateParameter& specification) const {
     const sim::Parameter& parameter = parameter_of(kind_, specification.name);
     const double natural = unit(parameter);
-    FreeParameter result{name, std::string{parameter.unit}, parameter.low, parameter.high, 1};
+    const UnitSymbols symbols{"m", "N", scale_.auxiliary_unit};
+    FreeParameter result{name, symbols.of(parameter.unit), parameter.low, parameter.high, 1};
     if (result.unit.starts_with(sim::kChannelUnit))
       result.unit.replace(0, sim::kChannelUnit.size(), channel_name(place_).unit);
     if (specification.low < specification.high) {
@@ -161,13 +162,15 @@ class Builder {
     return result;
   }
 
-  static bool is_fitted(const CandidateParameter& specification) {
+  [[nodiscard]] bool is_fitted(const CandidateParameter& specification) const {
+    if (!scale_.has_time && specification.name == kCreepVelocity) return false;
     return specification.role == CandidateParameter::Role::Size ||
            specification.role == CandidateParameter::Role::Shape;
   }
   // Of a parameter that is not fitted.
   [[nodiscard]] double stated(const CandidateParameter& specification) const {
     const sim::Parameter& parameter = parameter_of(kind_, specification.name);
+    if (specification.name == kCreepVelocity) return parameter.low;
     return specification.role == CandidateParameter::Role::Typical
                ? parameter.typical
                : specification.starts[0] * unit(parameter);
@@ -389,6 +392,7 @@ std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const 
   std::vector<Candidate> result;
   for (const auto& entry : candidate_terms()) {
     if ((entry.places & place) == 0 || !are_met(entry, base, scale, axes)) continue;
+    if (!scale.has_time && needs_time(entry)) continue;
     auto candidates = Builder{entry, place, base, scale, axes}.build();
     if (!candidates.empty()) add_axes(entry, place, base, axes, axis_scales, candidates);
     for (auto& candidate : candidates) {

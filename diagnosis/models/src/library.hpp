@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,8 @@ struct NaturalScale {
   double auxiliary = 0;     ///< peak; 0: not recorded
   bool has_temperature = false;
   double time = 1;  ///< unit of times: 1 s, a time step or a period [s]
+  bool has_time = true;
+  std::string auxiliary_unit = "A";
 };
 
 /// SI value of a parameter's natural unit, from its unit in the catalogue.

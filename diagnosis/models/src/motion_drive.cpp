@@ -111,6 +111,9 @@ class Thinner {
     if (is_needed) cutoff_ = std::min(cutoff_, pace.drive_cutoff);
     filters_ = factor_ > 1 || is_needed;
   }
+  // Without time, all rows are used as they are.
+  explicit Thinner(const Record& record)
+      : step_{record.time_step}, factor_{1}, cutoff_{0}, filters_{false} {}
   [[nodiscard]] double model_step() const { return step_ * factor_; }
   [[nodiscard]] VectorXd operator()(const VectorXd& signal) const {
     if (signal.size() == 0 || !filters_) return signal;
@@ -214,12 +217,13 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
                                           const std::vector<std::size_t>& axes,
                                           const SampleRates& pace) {
   auto drive = std::make_unique<MotionDrive>();
-  const Thinner thinner{record, pace};
+  const Thinner thinner = record.has_time ? Thinner{record, pace} : Thinner{record};
+  drive->has_time = record.has_time;
   drive->model_step = thinner.model_step();
   drive->thinning =
       std::max(1, static_cast<int>(std::round(1 / (drive->model_step * pace.compare_rate))));
   // A record sampled no faster than the comparison rate needs no filter.
-  drive->cutoff = pace.cutoff < 0.45 / drive->model_step ? pace.cutoff : 0;
+  drive->cutoff = record.has_time && pace.cutoff < 0.45 / drive->model_step ? pace.cutoff : 0;
   if (drive->cutoff == 0) drive->thinning = 1;
   drive->start = record.start;
   drive->time_step = drive->model_step * drive->thinning;
@@ -235,8 +239,8 @@ std::unique_ptr<MotionDrive> motion_drive(const Record& record, const MotionChan
   const Index steps = drive->motion[axes[0]].size();
   const Index rows = (steps + drive->thinning - 1) / drive->thinning;
   const double length = static_cast<double>(rows) * drive->time_step;
-  const auto spoilt =
-      static_cast<Index>(std::min(kSpoiltTime, kSpoiltShare * length) / drive->time_step);
+  const double spoilt_time = record.has_time ? std::min(kSpoiltTime, kSpoiltShare * length) : 0;
+  const auto spoilt = static_cast<Index>(spoilt_time / drive->time_step);
   drive->all_rows = std::max<Index>(1, rows - spoilt);
   const double settled = std::max(record.settle, spoilt_start(record, drive->cutoff));
   drive->first_row = std::min<Index>(static_cast<Index>(std::ceil(settled / drive->time_step)),
@@ -267,6 +271,7 @@ double motion_cutoff(const std::vector<const Record*>& records, const MotionChan
   constexpr double kMargin = 1.5;    // the filter keeps what lies just below the noise
   constexpr double kHighest = 0.25;  // of the sampling rate: a higher cutoff removes little
   const double time_step = records[0]->time_step;
+  if (!records[0]->has_time) return 0;
   std::vector<VectorXd> motions, at_rest;
   for (const Record* record : records)
     for (const std::size_t axis : axes) {

@@ -11,6 +11,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/text.hpp>
 
+#include "candidate_terms.hpp"
 #include "composition_relation.hpp"
 
 namespace rths::diagnosis {
@@ -197,6 +198,12 @@ void check_composed_model(const Case& c) {
     if (!c.model.table.is_table(key) && !contains(keys, key))
       c.model.table.fail(key,
                          fmt::format("unknown key '{}'{}", key, did_you_mean_one_of(key, keys)));
+  if (!moving_records(c)[0]->has_time)
+    for (const auto& term : sim::read_terms(c.model.table.without("bounds")))
+      if (needs_time(term) || sim::term_kind(term.kind).stage == Stage::Actuator)
+        c.model.table.fail(
+            term.name,
+            fmt::format("the term '{}' needs a time, but the records have none", term.name));
   const auto known = parameters_of(c);
   for (const auto& fitted : c.model.fitted)
     if (!contains(known, fitted.name))
@@ -206,6 +213,7 @@ void check_composed_model(const Case& c) {
 
 std::unique_ptr<Relation> accelerometer_relation(const Case& c,
                                                  const std::vector<std::string>& without) {
+  if (!moving_records(c)[0]->has_time) return nullptr;
   return relation_of(c, {.name = "displacement to acceleration",
                          .part = Part::Sensor,
                          .channels = {"displacement", "acceleration", false, false},

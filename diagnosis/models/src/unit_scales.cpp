@@ -50,6 +50,24 @@ std::vector<UnitFactor> factors_of(std::string_view unit) {
   return factors;
 }
 
+std::string UnitSymbols::of(std::string_view unit) const {
+  constexpr std::string_view kBetween = "*/0123456789";
+  std::string result;
+  while (!unit.empty()) {
+    const auto end = std::min(unit.find_first_of(kBetween), unit.size());
+    const std::string_view symbol = unit.substr(0, end);
+    const std::string chosen = symbol == "m"   ? length
+                               : symbol == "N" ? force
+                               : symbol == "A" ? current
+                                               : std::string{symbol};
+    const bool is_ratio = chosen != symbol && chosen.find('/') != std::string::npos;
+    result += is_ratio ? "(" + chosen + ")" : chosen;
+    if (end < unit.size()) result += unit[end];
+    unit.remove_prefix(std::min(end + 1, unit.size()));
+  }
+  return result;
+}
+
 double UnitScales::of(std::string_view unit) const {
   double scale = 1;
   for (const auto& [symbol, power] : factors_of(unit)) {

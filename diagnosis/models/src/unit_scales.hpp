@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,13 @@ struct UnitFactor {
   int power;                ///< negative after the first slash: in "W/m/K" both m and K divide
 };
 [[nodiscard]] std::vector<UnitFactor> factors_of(std::string_view unit);
+
+/// A unit of the catalogue with other symbols for length, force and current: those of the channels
+/// on which a term acts. "N*s/m" of a force in Pa is "Pa*s/m".
+struct UnitSymbols {
+  std::string length = "m", force = "N", current = "A";
+  [[nodiscard]] std::string of(std::string_view unit) const;
+};
 
 /// Units of the computation in a component of a model, as multiples of m, N and s. The catalogue's
 /// bounds suit a laboratory's machines. A circuit of millivolts or a tank of hours stays within

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/cases/bounded.hpp>
 #include <rths/core/text.hpp>
 #include <rths/experiment_design/proposal.hpp>
 #include <rths/identification/constants.hpp>
@@ -327,6 +328,7 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
                    DiagnosisProgress& progress) {
   Case c = given;
   check_case(c, options.without);
+  const std::vector<std::string> lost = bound_records(c);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);
   auto lattices = coarse_lattices(moving_records(c));
@@ -361,6 +363,7 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
   verdict.improvement = improvement_of(given, c, all, lattices, !verdict.conclusion.causes.empty());
   verdict.noise = noise_basis(c, noise);
   append(limits_of(c, noise, all), verdict.limits);
+  append(lost, verdict.limits);
   return verdict;
 }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/cases/rest.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/maths/statistics.hpp>
 #include <rths/models/relations.hpp>
@@ -134,6 +135,10 @@ std::vector<std::string> doubtful_units(const Case& c) {
 // The errors of a relation are errors of filtered signals.
 std::string filter_of(const RelationFindings& found) {
   const Drive& drive = found.problem->drive(0);
+  if (!drive.has_time)
+    return fmt::format(
+        "{}: rows without time are compared, so that no effect of rates was examined.",
+        found.relation->name());
   const std::string rate = fmt::format("{:.4g} Hz", 1 / drive.time_step);
   return drive.cutoff > 0 ? fmt::format(
                                 "{}: errors are those of signals below {:.3g} Hz, compared at {}; "
@@ -169,16 +174,20 @@ std::vector<std::string> visited_in(const RelationFindings& found) {
     for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
       add_largest(problem->drive(i), largest);
   std::vector<std::string> limits;
-  for (const auto& [state, most] : largest)
-    limits.push_back(fmt::format(
-        "{}: states beyond {:.3g} {} and {:.3g} {}/s of {} were never visited.",
-        found.relation->name(), most.first, state.unit, most.second, state.unit, state.name));
+  for (const auto& [state, most] : largest) {
+    const std::string rate = found.problem->drive(0).has_time
+                                 ? fmt::format(" and {:.3g} {}/s", most.second, state.unit)
+                                 : "";
+    limits.push_back(fmt::format("{}: states beyond {:.3g} {}{} of {} were never visited.",
+                                 found.relation->name(), most.first, state.unit, rate, state.name));
+  }
   return limits;
 }
 
 // The first section of a record, from its start or to its end, in which nothing that drives the
 // test moves [s].
-std::optional<std::pair<double, double>> apparent_rest(const Record& record) {
+std::optional<std::pair<double, double>> apparent_rest(const Record& record,
+                                                       const std::vector<Record>& records) {
   constexpr double kStill = 2e-3;       // of the range of a channel
   constexpr double kShortest = 0.5;     // [s]
   constexpr std::size_t kFewest = 100;  // samples
@@ -209,8 +218,14 @@ std::optional<std::pair<double, double>> apparent_rest(const Record& record) {
   const auto at = [&](std::size_t sample) {
     return record.start + static_cast<double>(sample) * record.time_step;
   };
-  if (is_enough(head)) return std::pair{at(0), at(head - 1)};
-  if (is_enough(tail)) return std::pair{at(n - tail), at(n - 1)};
+  // The motion begins slowly: the section ends where all of it is at rest.
+  const auto is_at_rest = [&](std::size_t from, std::size_t to) {
+    return motion_at_rest(record, {from, to}, records).empty();
+  };
+  for (; is_enough(head); head = 9 * head / 10)
+    if (is_at_rest(0, head)) return std::pair{at(0), at(head - 1)};
+  for (; is_enough(tail); tail = 9 * tail / 10)
+    if (is_at_rest(n - tail, n)) return std::pair{at(n - tail), at(n - 1)};
   return std::nullopt;
 }
 
@@ -218,8 +233,10 @@ std::optional<std::pair<double, double>> apparent_rest(const Record& record) {
 // seems to be at rest.
 std::string remedy_for_noise(const Case& c) {
   constexpr double kPerSecond = 100;  // resolution of the proposal
+  if (!moving_records(c)[0]->has_time)
+    return "a record without motion (use = \"reference\") would measure the noise";
   for (const Record* record : moving_records(c))
-    if (const auto rest = apparent_rest(*record))
+    if (const auto rest = apparent_rest(*record, c.records))
       return fmt::format(
           "{0} seems to be at rest from {1:.13g} to {2:.13g} s: if it is, quiet_s = [{1:.13g}, "
           "{2:.13g}] in "
@@ -283,6 +300,13 @@ std::vector<std::string> opposed_outputs(const Relation& relation,
   return opposed;
 }
 
+std::string pieces_for(const Split& split) {
+  return fmt::format(
+      "{} hardly varies in some of the records that would score each other, so that they determine "
+      "no law of it: pieces of all these records score each other.",
+      split.undetermined);
+}
+
 NoiseBasis noise_basis(const Case& c, const SensorNoise& noise) {
   return {noise.source(), noise.was_seen_at_rest() ? "" : remedy_for_noise(c),
           !noise.was_seen_at_rest() && !c.noise.empty()};
@@ -307,6 +331,7 @@ std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
   add(limits_of_channels(c));
   for (const auto& one : c.records)
     if (!one.gaps.empty()) limits.push_back(gaps_in(one));
+  if (!all.back()->split.undetermined.empty()) limits.push_back(pieces_for(all.back()->split));
   if (!all.back()->proof.is_held_out) limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {
     limits.push_back(filter_of(*found));

@@ -10,6 +10,8 @@
 
 namespace rths::diagnosis {
 
+/// Why the folds are pieces of all records. @param split  with an undetermined state
+[[nodiscard]] std::string pieces_for(const Split& split);
 [[nodiscard]] NoiseBasis noise_basis(const Case& c, const SensorNoise& noise);
 
 /// What the records and the comparison leave open: the source of the noise, the filter, channels

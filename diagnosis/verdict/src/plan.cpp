@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <numeric>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include <rths/cases/bounded.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/text.hpp>
 #include <rths/identification/folds.hpp>
@@ -51,7 +53,7 @@ std::vector<Plan::PlannedRecord> records_of(const Case& c, const Split& split) {
       role = record.use == Use::Fit ? "fits; scores in exchange" : "scores; fits in exchange";
     if (record.quiet && record.use != Use::Reference) role += "; noise at rest";
     planned.push_back({record.name, role, static_cast<double>(record.samples()) * record.time_step,
-                       1 / record.time_step});
+                       record.has_time ? 1 / record.time_step : 0});
   }
   return planned;
 }
@@ -86,6 +88,11 @@ std::vector<std::string> visited_states(const Problem& problem) {
       v = std::max(v, problem.drive(record).velocity.col(output).cwiseAbs().maxCoeff());
     }
     const auto& [name, unit] = first.state_names[i];
+    if (!first.has_time) {
+      texts.push_back(fmt::format("{} ({}): up to {:.3g} {}", problem.relation().outputs()[i].first,
+                                  name, u, unit));
+      continue;
+    }
     const auto [low, high] =
         band_of(first.displacement.col(static_cast<Index>(i)), first.time_step);
     texts.push_back(
@@ -115,6 +122,9 @@ class PlannedExamination {
                               problem.record(0).name, problem.relation().name())};
     fitted_.emplace(jacobian);
   }
+
+  /// Predictions with derivatives so far.
+  [[nodiscard]] double predictions() const { return predictions_; }
 
   [[nodiscard]] std::optional<Visible> at_typical_size(const Candidate& candidate) const {
     const VectorXd& start = candidate.starts[0];
@@ -150,6 +160,7 @@ class PlannedExamination {
     std::iota(added.begin(), added.end(), static_cast<Index>(known));
     VectorXd there;
     MatrixXd columns;
+    ++predictions_;
     if (added.empty() || !beside.evaluate(fold_, whole.values, added, there, columns))
       return std::nullopt;
     Seen seen{there - residual_, MatrixXd(there.size(), columns.cols() + 1)};
@@ -207,6 +218,7 @@ class PlannedExamination {
 
   Fold fold_;
   TestedHypothesis base_;
+  mutable double predictions_ = 0;
   VectorXd residual_;
   std::optional<Complement> fitted_;
 };
@@ -244,6 +256,36 @@ std::string unit_of(const Record* record, const std::string& role) {
   return "-";
 }
 
+// Processor time of this program [s].
+double processor_seconds() {
+  return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
+}
+
+// @param seconds  of a prediction of the examined records with derivatives
+Plan::Cost cost_of(const Relation& relation, const Split& split,
+                   const std::vector<Candidate>& candidates, double seconds) {
+  constexpr double kNoiseDraws = 24, kColumns = 16;  // of noise; of derivatives and residuals
+  constexpr double kFits = 300;  // predictions of the fits of a round: some of them twice as long
+  constexpr double kRounds = 20;
+  Plan::Cost cost;
+  double examined = 0;
+  for (std::size_t i = 0; i < split.records.size(); ++i) {
+    const Record& record = *split.records[i];
+    const double values = static_cast<double>(relation.prepare(record)->measured.size());
+    cost.values += values;
+    if (i < kExamined) examined += values;
+    cost.memory +=
+        sizeof(double) *
+        (kColumns * values +
+         kNoiseDraws * (values + static_cast<double>(record.samples() * record.channels.size())));
+  }
+  double starts = 0;
+  for (const auto& candidate : candidates) starts += static_cast<double>(candidate.starts.size());
+  cost.shortest = seconds * cost.values / examined * (starts + kFits);
+  cost.longest = kRounds * cost.shortest;
+  return cost;
+}
+
 Plan::Examined examined(const Relation& relation, const Split& split, const SensorNoise& noise,
                         std::uint64_t seed) {
   std::vector<const Record*> records{split.records.begin(),
@@ -253,16 +295,19 @@ Plan::Examined examined(const Relation& relation, const Split& split, const Sens
   Plan::Examined result;
   result.relation = relation.name();
   for (const auto& [role, unit] : relation.outputs()) result.outputs.push_back(role);
-  result.rate = 1 / problem.drive(0).time_step;
+  result.rate = problem.drive(0).has_time ? 1 / problem.drive(0).time_step : 0;
   result.cutoff = problem.drive(0).cutoff;
   result.visited = visited_states(problem);
   for (const auto& free : relation.base().free) result.fitted.push_back(free.name);
   const PlannedExamination examination{problem, folds_of(split, problem).both};
   const auto candidates = relation.candidates(relation.base());
   std::vector<Visible> visible;
+  const double begin = processor_seconds();
   for (const auto& candidate : candidates)
     if (!candidate.is_hidden)
       if (auto one = examination.at_typical_size(candidate)) visible.push_back(std::move(*one));
+  const double each = (processor_seconds() - begin) / std::max(1.0, examination.predictions());
+  result.cost = cost_of(relation, split, candidates, each);
   std::stable_sort(visible.begin(), visible.end(), [](const auto& a, const auto& b) {
     return a.planned.information > b.planned.information;
   });
@@ -280,7 +325,9 @@ Plan::Examined examined(const Relation& relation, const Split& split, const Sens
 
 void check_model(const Case& c) { static_cast<void>(checked_relations(c, {})); }
 
-Plan plan(const Case& c, const DiagnosisOptions& options) {
+Plan plan(const Case& given, const DiagnosisOptions& options) {
+  Case c = given;
+  const std::vector<std::string> lost = bound_records(c);
   const auto relations = checked_relations(c, options.without);
   std::vector<const Record*> noisy;
   for (const auto& record : c.records) noisy.push_back(&record);
@@ -292,6 +339,8 @@ Plan plan(const Case& c, const DiagnosisOptions& options) {
   plan.records = records_of(c, split);
   plan.noise = noise_basis(c, noise);
   plan.limits = limits_of_channels(c);
+  plan.limits.insert(plan.limits.end(), lost.begin(), lost.end());
+  if (!split.undetermined.empty()) plan.limits.push_back(pieces_for(split));
   if (split.held.empty()) plan.limits.emplace_back("No record is held out for a proof.");
   for (const auto& relation : relations) {
     plan.relations.push_back(examined(*relation, split, noise, options.seed));

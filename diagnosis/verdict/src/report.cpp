@@ -97,6 +97,7 @@ std::vector<double> compared_rows(const Drive& drive, const MatrixXd& values, In
 
 void add_axes_of(const Drive& drive, Index output, Trace& trace) {
   const ArrayXd is_compared = drive.compared();
+  trace.has_time = drive.has_time;
   for (Index row = 0; row < drive.rows(); ++row)
     if (is_compared[row] != 0)
       trace.time.push_back(drive.start + static_cast<double>(row) * drive.time_step);

@@ -11,6 +11,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr double kCellTime = 0.256;  // [s]; of a cell in noise, at least
+constexpr double kCellRows = 8;      // the same without time
 constexpr double kTimeCells = 100;   // of a record
 constexpr double kHighest = 0.45;    // of the sampling rate: highest third octave
 constexpr int kStateCells = 9;       // along displacement and along velocity
@@ -52,8 +53,9 @@ Profile profile(const std::string& name, const std::string& unit, std::vector<do
 void map_time(const Seen& seen, const Drive& drive, Where& where) {
   const double duration = static_cast<double>(drive.rows()) * drive.time_step;
   // Noise needs longer cells than a prediction, which has none.
+  const double in_noise = drive.has_time ? kCellTime : kCellRows;
   const double cell =
-      std::max(duration / kTimeCells, seen.noise.empty() ? drive.time_step : kCellTime);
+      std::max(duration / kTimeCells, seen.noise.empty() ? drive.time_step : in_noise);
   const double rows = cell / drive.time_step;
   const auto count = static_cast<std::size_t>(std::floor(duration / cell + 1e-9));
   const Cells cells{seen, by_row(count, drive, [&](Index row, Index) {
@@ -63,7 +65,8 @@ void map_time(const Seen& seen, const Drive& drive, Where& where) {
   for (std::size_t i = 0; i <= count; ++i)
     edges.push_back(drive.start + static_cast<double>(i) * cell);
   where.intervals = joined(cells.place(), edges);
-  where.profiles.push_back(profile("time", "s", edges, cells));
+  where.profiles.push_back(drive.has_time ? profile("time", "s", edges, cells)
+                                          : profile("row", "-", edges, cells));
 }
 
 // Maps frequency, and weights each third octave by its fraction that is not noise (Wiener 1949), so
@@ -178,9 +181,10 @@ Where where_of(const RelationFindings& found, const MapRange& range) {
   where.part = problem.relation().part();
   where.record = problem.record(0).name;
   where.channel = channel_of(problem, seen);
-  const Seen rest = map_frequency(seen, drive, where);
+  where.has_time = drive.has_time;
+  const Seen rest = drive.has_time ? map_frequency(seen, drive, where) : seen;
   map_time(rest, drive, where);
-  map_states(rest, drive, range, where);
+  if (drive.has_time) map_states(rest, drive, range, where);
   map_other_states(rest, drive, where);
   return where;
 }

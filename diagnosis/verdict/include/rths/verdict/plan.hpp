@@ -14,7 +14,14 @@ struct Plan {
   /// A record and its part in the diagnosis.
   struct PlannedRecord {
     std::string name, role;         ///< "unseen proof"
-    double duration = 0, rate = 0;  ///< [s], [Hz]
+    double duration = 0, rate = 0;  ///< [s], [Hz]; without time rows, and 0
+  };
+  /// What a diagnosis takes, from the time of the plan itself: of one round of the search, which
+  /// suffices if nothing is missing, and of the twenty rounds that several effects may need.
+  struct Cost {
+    double values = 0;                 ///< compared, of the records that are fitted or scored
+    double memory = 0;                 ///< [B]
+    double shortest = 0, longest = 0;  ///< of one processor [s]
   };
   /// An effect of typical size in the motion of the records.
   struct Effect {
@@ -41,6 +48,7 @@ struct Plan {
     std::vector<std::string> fitted;    ///< parameters
     std::vector<Effect> effects;        ///< most visible first
     std::vector<Confusion> confusions;  ///< closest first
+    Cost cost;
   };
 
   std::string case_name, kind;

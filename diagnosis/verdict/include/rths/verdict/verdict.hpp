@@ -64,6 +64,7 @@ struct Where {
   std::string channel;       ///< role: "force.long"; several: "force"
   std::string record;        ///< of the maps
   bool is_of_named = false;  ///< the named terms' contribution; else the residual beyond the noise
+  bool has_time = true;      ///< of the record; else the intervals are rows, and have no bands
   std::vector<std::pair<double, double>> intervals;  ///< [s]
   std::vector<std::pair<double, double>> bands;      ///< [Hz]
   std::vector<StateCell> states;
@@ -87,9 +88,10 @@ struct CandidateEvidence {
 /// Free offsets of the predictions are removed.
 struct Trace {
   std::string record, channel, unit;
-  std::string use;               ///< of the record: "fit", "held_out"
-  double cutoff = 0;             ///< of the low-pass filter that all curves passed [Hz]; 0: none
-  std::vector<double> time;      ///< [s]
+  std::string use;    ///< of the record: "fit", "held_out"
+  double cutoff = 0;  ///< of the low-pass filter that all curves passed [Hz]; 0: none
+  bool has_time = true;
+  std::vector<double> time;      ///< [s]; without time the rows
   std::vector<double> abscissa;  ///< displacement or input; may be empty
   std::string abscissa_label;
   std::vector<double> measured, stated, before, after;  ///< [unit]
