@@ -50,13 +50,13 @@ std::vector<OutputRows> rows_of(const TestedHypothesis& tested, const Fold& fold
   return all;
 }
 
-// The same of the measurements.
-std::vector<OutputRows> measured_rows_of(const TestedHypothesis& tested, const Fold& fold) {
+// The same of the predictions.
+std::vector<OutputRows> predicted_rows_of(const TestedHypothesis& tested, const Fold& fold) {
   std::vector<OutputRows> all;
   for (const auto& share : fold.shares) {
-    MatrixXd measured = tested.problem().drive(share.record).measured;
-    measured.rowwise() -= measured.colwise().mean().eval();
-    all.emplace_back(tested, share, tested.problem().noise(share.record).whitened(measured));
+    MatrixXd predicted = tested.prediction(share.record);
+    predicted.rowwise() -= predicted.colwise().mean().eval();
+    all.emplace_back(tested, share, tested.problem().noise(share.record).whitened(predicted));
   }
   return all;
 }
@@ -128,15 +128,16 @@ double residual_energy(const std::vector<OutputRows>& all) {
   return energy;
 }
 
-// Whether a frequency is a multiple of that of a periodic test, whose residual is periodic too,
+// Whether a frequency is a low multiple of that of a periodic test, whose residual is periodic too,
 // whatever the missing effect.
-bool is_of_test(const std::vector<OutputRows>& measured, double frequency) {
-  constexpr double kPeriodic = 0.5;  // of the energy of the measurement
-  const double test = refined(measured, highest_line(measured));
+bool is_of_test(const std::vector<OutputRows>& predicted, double frequency) {
+  constexpr double kPeriodic = 0.5;  // of the energy of the prediction
+  constexpr double kMostOrder = 9;
+  const double test = refined(predicted, highest_line(predicted));
   const double order = std::round(frequency / test);
-  return order >= 1 &&
-         std::abs(frequency - order * test) * measured[0].duration() < std::max(1.0, order / 2) &&
-         continued(measured, test) > kPeriodic * residual_energy(measured);
+  return order >= 1 && order <= kMostOrder &&
+         std::abs(frequency - order * test) * predicted[0].duration() < 1 &&
+         continued(predicted, test) > kPeriodic * residual_energy(predicted);
 }
 
 }  // namespace
@@ -146,7 +147,7 @@ void find_periodic_force(const TestedHypothesis& tested, const Folds& folds,
   if (!tested.problem().drive(0).has_time) return;
   const auto first = rows_of(tested, folds.first);
   const double frequency = refined(first, highest_line(first));
-  if (is_of_test(measured_rows_of(tested, folds.first), frequency)) return;
+  if (is_of_test(predicted_rows_of(tested, folds.first), frequency)) return;
   const double share =
       continued(rows_of(tested, folds.second), frequency) / excess_on(tested, folds.second);
   // A force that acts at rest, too, is a part of the estimated noise.
