@@ -11,10 +11,10 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr double kModelRate = 500;       // of a composition, at most [Hz]
-constexpr double kSamplesOfPeriod = 25;  // of the highest significant frequency
-constexpr double kInsignificant = 1e-3;  // of the energy of a channel
-constexpr std::size_t kFewest = 1000;    // samples that a record keeps
+constexpr double kModelRate = 500;         // of a composition, at most [Hz]
+constexpr double kSamplesOfPeriod = 25;    // of the highest significant frequency
+constexpr double kNoEnergy = 1e-3;         // of the energy of a channel
+constexpr std::size_t kFewestKept = 1000;  // samples that a record keeps
 
 double counted(const Case& c, const Record& record) {
   const double share = is_composition(c.model.kind) && record.has_time
@@ -38,7 +38,7 @@ double highest_frequency(const Eigen::VectorXd& signal, double time_step) {
   const double total = spectrum.density.sum();
   double above = 0;
   Eigen::Index i = spectrum.density.size() - 1;
-  for (; i > 0 && above + spectrum.density[i] < kInsignificant * total; --i)
+  for (; i > 0 && above + spectrum.density[i] < kNoEnergy * total; --i)
     above += spectrum.density[i];
   return spectrum.frequency[i];
 }
@@ -98,7 +98,7 @@ std::vector<std::string> bound_records(Case& c) {
   if (share >= 1) return lost;
   for (auto& record : c.records) {
     const auto samples = static_cast<std::size_t>(share * static_cast<double>(record.samples()));
-    if (record.use == Use::Reference || samples < kFewest) continue;
+    if (record.use == Use::Reference || samples < kFewestKept) continue;
     lost.push_back(
         fmt::format("{}: only the first {} of {} samples are used, to bound the time of the "
                     "diagnosis; select a section with span_s.",
