@@ -57,6 +57,14 @@ TEST_F(AgainstTest, PredictsAtTheTimesOfTheRecord) {
   EXPECT_EQ(c.model.kind, ModelKind::Data);
 }
 
+TEST_F(AgainstTest, KeepsAModelThatItAnchors) {
+  Case c = measured();
+  c.model.table = Config::parse("anchor = \"predicted\"", "model");
+
+  EXPECT_EQ(with_prediction(c, simulation("time,force.long\n0,0\n1,1\n")).model.kind,
+            ModelKind::Bearing);
+}
+
 TEST_F(AgainstTest, DropsRecordsOfOtherMotions) {
   const Case c = with_prediction(measured(), simulation("time,force.long\n0,0\n1,1\n"));
 

@@ -42,6 +42,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Example{"synthetic/bearing", "bearing", {"axial_load_strength"}, 6.4e-4},
         Example{"synthetic/masses", "mass_spring_damper", {"cubic_stiffness"}, 1.8e-3},
+        Example{"synthetic/program", "program", {"saturation"}, 5e-3},
         Example{"synthetic/structure", "structure", {"coulomb_friction", "bouc_wen"}, 4.1e-3},
         Example{"mr_damper", "platen", {"current_dependent_friction"}, 0.13},
         Example{"actuator/linear.toml",
@@ -71,7 +72,7 @@ TEST(SyntheticExamples, AreReproduced) {
                         .wait();
 
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  for (const char* system : {"bearing", "masses", "structure"})
+  for (const char* system : {"bearing", "masses", "program", "structure"})
     for (const char* file : {"fit.csv", "held_out.csv"}) {
       const auto one = recording::Table::load(folder.path() / system / file).columns();
       const auto other = recording::Table::load(here / system / file).columns();

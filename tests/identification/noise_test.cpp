@@ -62,8 +62,8 @@ TEST(SensorNoise, IsNotKnownWhereTheSamplesAreTooCoarse) {
 }
 
 TEST(SensorNoise, IsGuessedWhereTheSamplesAreDense) {
-  const Record record =
-      record_of_channels({channel_of("force.long", 50 * sine_of(4, 4000) + 0.5 * gauss(4000, 1, 1))});
+  const Record record = record_of_channels(
+      {channel_of("force.long", 50 * sine_of(4, 4000) + 0.5 * gauss(4000, 1, 1))});
 
   EXPECT_TRUE((SensorNoise{{&record}, {}}.is_known()));
 }

@@ -149,8 +149,9 @@ Case with_prediction(Case c, const std::filesystem::path& simulation) {
   for (auto& other : c.records)
     if (other.use == Use::Reference) records.push_back(std::move(other));
   c.records = std::move(records);
-  // The record contains the predictions; the case may have terms to add to them.
-  if (c.model.kind != ModelKind::Data) {
+  // The record contains the predictions; the case may have terms to add to them, or a model that
+  // they anchor.
+  if (c.model.kind != ModelKind::Data && !c.model.table.has("anchor")) {
     c.model = {};
     c.source.file = c.source.file.without("model");
   }

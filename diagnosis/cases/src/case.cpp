@@ -76,6 +76,19 @@ std::vector<std::pair<std::string, double>> read_noise(const Config& table,
   return noise;
 }
 
+// The channels that anchor a model are found by their roles; the key keeps the model beside
+// `against`.
+void check_anchor(const Config& model, ModelKind kind) {
+  if (!model.has("anchor")) return;
+  const std::string anchor = model.text("anchor");
+  if (anchor != "predicted")
+    model.fail("anchor", fmt::format("anchor is '{}', expected predicted", anchor));
+  if (is_prediction(kind))
+    model.fail("anchor",
+               fmt::format("a model of kind '{}' is the prediction, expected another kind",
+                           name_of(kind)));
+}
+
 // Slices of one file have its name; later ones get a number.
 void name(std::vector<Record>& records, const std::vector<Config>& tables) {
   for (std::size_t i = 0; i < records.size(); ++i) {
@@ -184,6 +197,7 @@ Model read_model(const Config& table) {
   if (!known)
     table.fail("kind",
                fmt::format("there is no model of kind '{}', expected {}", kind, model_kinds()));
+  check_anchor(table, *known);
   return {*known, table, read_fitted(table)};
 }
 

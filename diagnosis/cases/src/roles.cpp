@@ -32,7 +32,8 @@ constexpr std::string_view kPredicted = "predicted.";
 
 // In the order of ModelKind.
 constexpr std::string_view kModelKinds[] = {
-    "bearing", "platen", "servo_axis", "structure", "mass_spring_damper", "linear", "data"};
+    "bearing", "platen", "servo_axis", "structure", "mass_spring_damper",
+    "linear",  "data",   "program"};
 
 }  // namespace
 
@@ -75,6 +76,8 @@ std::string name_of(ModelKind kind) {
 bool is_composition(ModelKind kind) {
   return kind == ModelKind::Bearing || kind == ModelKind::Platen || kind == ModelKind::ServoAxis;
 }
+
+bool is_prediction(ModelKind kind) { return kind == ModelKind::Data || kind == ModelKind::Program; }
 
 std::string model_kinds() { return fmt::format("{}", fmt::join(kModelKinds, ", ")); }
 

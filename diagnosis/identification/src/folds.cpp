@@ -97,7 +97,7 @@ void bar_gaps(const Problem& problem, Fold& fold) {
   }
 }
 
-struct StateRange {
+struct DriverRange {
   double low = 1e300, high = -1e300;
   void include(const std::vector<double>& values) {
     const auto [least, most] = std::minmax_element(values.begin(), values.end());
@@ -112,10 +112,10 @@ std::string undetermined_in(const std::vector<const Record*>& one,
                             const std::vector<const Record*>& other) {
   for (const Channel& channel : one[0]->channels) {
     if (!is_state(channel.role)) continue;
-    StateRange all;
+    DriverRange all;
     std::vector<double> widths;
     for (const auto* group : {&one, &other}) {
-      StateRange own;
+      DriverRange own;
       for (const Record* record : *group)
         if (const Channel* same = record->find(channel.role); same && !same->values.empty())
           own.include(same->values);

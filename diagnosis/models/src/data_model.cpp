@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 #include "dynamic_reading.hpp"
 
@@ -97,6 +98,12 @@ class DataReader {
 }  // namespace
 
 DynamicModel read_data(const Config& table, const Record& record) {
+  return read_predicted(table, record, {}, {});
+}
+
+DynamicModel read_predicted(const Config& table, const Record& record,
+                            std::vector<std::string> inputs,
+                            std::vector<ModelParameter> parameters) {
   DataReader reader{record};
   if (reader.model.outputs.empty())
     throw Error{
@@ -106,11 +113,15 @@ DynamicModel read_data(const Config& table, const Record& record) {
   reader.add_drivers();
   DynamicModel model = std::move(reader.model);
   model.name = "prediction to measurement";
-  model.has_terms_on_inputs = false;
+  for (const auto& role : inputs)
+    if (!contains(model.inputs, role)) model.inputs.push_back(role);
+  model.inputs_with_terms = std::move(inputs);
+  model.parameters = std::move(parameters);
   const auto outputs = static_cast<Index>(model.outputs.size());
-  const auto inputs = static_cast<Index>(model.plant_inputs.size());
-  model.linear = [added = reader.added, outputs, inputs](const VectorXd&) {
-    LinearSystem system = LinearSystem::zeros(0, inputs, outputs, static_cast<Index>(added.size()));
+  const auto driving = static_cast<Index>(model.plant_inputs.size());
+  model.linear = [added = reader.added, outputs, driving](const VectorXd&) {
+    LinearSystem system =
+        LinearSystem::zeros(0, driving, outputs, static_cast<Index>(added.size()));
     system.d.leftCols(outputs).setIdentity();
     for (Index i = 0; i < static_cast<Index>(added.size()); ++i) {
       const AddedToOutput& term = added[static_cast<std::size_t>(i)];

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include <fmt/format.h>
 
+#include <rths/core/text.hpp>
 #include <rths/sim/tables.hpp>
 
 #include "library.hpp"
@@ -219,6 +221,10 @@ NaturalScale natural_of_connection(const ConnectionSize& size) {
   return natural;
 }
 
+bool takes_terms(const DynamicModel& model, const std::string& input) {
+  return !model.inputs_with_terms || contains(*model.inputs_with_terms, input);
+}
+
 // A parameter of the linear system with a wrong value.
 Candidate wrong_parameter(const ModelParameter& parameter, const DynamicSizes& sizes) {
   Candidate candidate;
@@ -239,6 +245,8 @@ Candidate wrong_parameter(const ModelParameter& parameter, const DynamicSizes& s
   } else {
     candidate.frees.push_back({parameter.name, parameter.unit, 0.1 * size, 10 * size, 0.02 * size});
     if (parameter.value < 0) std::swap(candidate.frees[0].low *= -1, candidate.frees[0].high *= -1);
+    if (parameter.bounds)
+      std::tie(candidate.frees[0].low, candidate.frees[0].high) = *parameter.bounds;
     candidate.starts.push_back(VectorXd::Constant(1, parameter.value * 1.02));
   }
   candidate.frees[0].absent = parameter.joins ? 0 : parameter.value;
@@ -288,7 +296,7 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
                                const std::vector<SignalSize>& signal_sizes, Place place,
                                Part part) {
     for (std::size_t i = 0; i < roles.size(); ++i)
-      if (signal_sizes[i].peak > 0)
+      if (signal_sizes[i].peak > 0 && (place != kOnInput || takes_terms(model, roles[i])))
         add_candidates(place, 0,
                        {roles[i],
                         "at " + roles[i],
@@ -301,7 +309,7 @@ std::vector<Candidate> dynamic_candidates(const DynamicModel& model, const Dynam
                         {signal_sizes[i].unit, signal_sizes[i].unit, "A"}},
                        base, candidates);
   };
-  if (model.has_terms_on_inputs) add_signals(model.inputs, sizes.inputs, kOnInput, Part::Actuator);
+  add_signals(model.inputs, sizes.inputs, kOnInput, Part::Actuator);
   add_signals(model.outputs, sizes.outputs, kOnOutput, Part::Sensor);
   for (const auto& parameter : model.parameters)
     if (!parameter.error.empty() && (parameter.value != 0 || parameter.joins) &&

@@ -51,6 +51,10 @@ struct ModelParameter {
   std::string error;  ///< name in verdicts of a wrong value: "stiffness_error"; empty: none
   /// Input and output that it joins directly: their sizes set its bounds.
   std::optional<std::pair<std::size_t, std::size_t>> joins;
+  /// None: a tenth to ten times the value.
+  // NOLINTNEXTLINE(readability-redundant-member-init): initializers may leave it out
+  std::optional<std::pair<double, double>> bounds = {};
+  double step = 0;  ///< of its differences; 0: a hundredth of its scale
 };
 
 /// Inputs between samples.
@@ -65,7 +69,8 @@ enum class Hold {
 struct DynamicModel {
   std::string name;                 ///< "input to output"
   std::vector<std::string> inputs;  ///< roles
-  bool has_terms_on_inputs = true;  ///< false: the inputs equal the records
+  /// Inputs on which terms may act; none: they equal the records. Absent: all.
+  std::optional<std::vector<std::string>> inputs_with_terms;
   std::vector<PlantInput> plant_inputs;
   std::vector<std::string> outputs;  ///< roles
   std::vector<Connection> connections;
@@ -86,5 +91,9 @@ struct DynamicModel {
 [[nodiscard]] DynamicModel read_linear(const Config& table);
 /// @param record  has the predicted and the measured channels
 [[nodiscard]] DynamicModel read_data(const Config& table, const Record& record);
+/// The same for predictions that a simulation computes from inputs, on which terms may act too.
+[[nodiscard]] DynamicModel read_predicted(const Config& table, const Record& record,
+                                          std::vector<std::string> inputs,
+                                          std::vector<ModelParameter> parameters);
 
 }  // namespace rths::diagnosis

@@ -78,6 +78,7 @@ Index read_index(const Config& table, const std::string& key, const std::string&
 
 void finish(const Config& table) {
   static_cast<void>(table.text("kind", ""));
+  static_cast<void>(table.text("anchor", ""));
   static_cast<void>(table.texts("fitted", {}));
   static_cast<void>(table.table_or_empty("bounds"));
   static_cast<void>(table.table_or_empty("values"));

@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
 
+#include "anchored_relation.hpp"
 #include "dynamic_candidates.hpp"
 #include "dynamic_drive.hpp"
 #include "dynamic_simulator.hpp"
+#include "foreign_model.hpp"
+#include "foreign_simulator.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -27,7 +31,7 @@ std::vector<const Record*> records_to_fit(const Case& c) {
   return records;
 }
 
-DynamicModel read_stated(const Case& c) {
+DynamicModel read_stated(const Case& c, const ForeignModel* foreign, const Record& record) {
   switch (c.model.kind) {
     case ModelKind::MassSpringDamper:
       return read_mass_spring_damper(c.model.table);
@@ -36,7 +40,9 @@ DynamicModel read_stated(const Case& c) {
     case ModelKind::Linear:
       return read_linear(c.model.table);
     case ModelKind::Data:
-      return read_data(c.model.table, *records_to_fit(c).front());
+      return read_data(c.model.table, record);
+    case ModelKind::Program:
+      return read_foreign(c.model.table, *foreign, record);
     default:
       throw Error{fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name,
                               name_of(c.model.kind))};
@@ -58,8 +64,8 @@ void take_values(const Config& values, DynamicModel& model) {
   }
 }
 
-DynamicModel read_model(const Case& c) {
-  DynamicModel model = read_stated(c);
+DynamicModel read_model(const Case& c, const ForeignModel* foreign, const Record& record) {
+  DynamicModel model = read_stated(c, foreign, record);
   take_values(c.model.table.table_or_empty("values"), model);
   return model;
 }
@@ -71,12 +77,13 @@ struct FreedParameter {
 
 FreedParameter freed_of_model(const ModelParameter& parameter, const FittedParameter& fitted) {
   const double value = parameter.value;
-  if (value == 0 && !fitted.bounds)
+  if (value == 0 && !fitted.bounds && !parameter.bounds)
     throw Error{
         fmt::format("'{}' is fitted and its value is 0, expected bounds for it", fitted.name)};
-  return {{fitted.name, parameter.unit, std::min(value / kWithin, value * kWithin),
-           std::max(value / kWithin, value * kWithin), 0.1 * std::abs(value)},
-          value};
+  FreeParameter free{fitted.name, parameter.unit, std::min(value / kWithin, value * kWithin),
+                     std::max(value / kWithin, value * kWithin), 0.1 * std::abs(value)};
+  if (parameter.bounds) std::tie(free.low, free.high) = *parameter.bounds;
+  return {free, value};
 }
 
 FreedParameter freed_of_term(const sim::TermSettings& term, const std::string& name,
@@ -139,11 +146,33 @@ class NearestReading final : public Simulator {
   const MatrixXd& measured_;  // rows × outputs
 };
 
+std::unique_ptr<ForeignModel> foreign_of(const Case& c) {
+  if (c.model.kind != ModelKind::Program) return nullptr;
+  return std::make_unique<ForeignModel>(c.model.table);
+}
+
+std::vector<Record> predicted_records(const Case& c, const ForeignModel* foreign) {
+  std::vector<Record> records;
+  if (foreign != nullptr)
+    for (const Record* record : records_to_fit(c))
+      records.push_back(foreign->predicted(*record, records.empty()));
+  return records;
+}
+
+std::vector<const Record*> pointers_to(const std::vector<Record>& records) {
+  std::vector<const Record*> pointers;
+  for (const auto& record : records) pointers.push_back(&record);
+  return pointers;
+}
+
 class DynamicRelation : public Relation {
  public:
   DynamicRelation(const Case& c, std::vector<std::string> without)
-      : model_{read_model(c)}, without_{std::move(without)} {
-    records_ = records_to_fit(c);
+      : foreign_{foreign_of(c)},
+        predicted_{predicted_records(c, foreign_.get())},
+        records_{foreign_ ? pointers_to(predicted_) : records_to_fit(c)},
+        model_{read_model(c, foreign_.get(), *records_.front())},
+        without_{std::move(without)} {
     for (const auto& role : model_.outputs)
       outputs_.emplace_back(role, channel_of(*records_.front(), role).unit);
     base_.terms = model_.terms;
@@ -193,8 +222,12 @@ class DynamicRelation : public Relation {
     return is_data ? std::vector<std::string>{} : model_.inputs;
   }
 
+  std::vector<std::string> notes() const override {
+    return foreign_ ? std::vector{foreign_->note()} : std::vector<std::string>{};
+  }
+
   std::unique_ptr<Drive> prepare(const Record& record) const override {
-    return dynamic_drive(model_, base_, record);
+    return dynamic_drive(model_, base_, foreign_ ? foreign_->predicted(record, false) : record);
   }
   std::vector<std::unique_ptr<Drive>> disturbed(const Drive& drive,
                                                 const Record& noise) const override {
@@ -218,9 +251,14 @@ class DynamicRelation : public Relation {
     std::stable_partition(ordered.terms.begin(), ordered.terms.end(), [](const ModelTerm& term) {
       return !sim::has_trait(term.settings.kind, sim::kOverflows);
     });
-    auto simulator =
-        std::make_unique<DynamicSimulator>(model_, ordered, &sizes_, drive.time_step,
-                                           dynamic_cast<const DynamicDrive&>(drive).signals);
+    const DynamicSignals& signals = dynamic_cast<const DynamicDrive&>(drive).signals;
+    std::unique_ptr<Simulator> simulator;
+    if (foreign_)
+      simulator = std::make_unique<ForeignSimulator>(model_, *foreign_, ordered, sizes_,
+                                                     drive.time_step, signals);
+    else
+      simulator =
+          std::make_unique<DynamicSimulator>(model_, ordered, &sizes_, drive.time_step, signals);
     auto overflows = overflows_of(ordered);
     if (overflows.empty()) return simulator;
     return std::make_unique<NearestReading>(std::move(simulator), std::move(overflows),
@@ -261,19 +299,21 @@ class DynamicRelation : public Relation {
     return found;
   }
 
+  std::unique_ptr<ForeignModel> foreign_;  // null: the model computes by itself
+  std::vector<Record> predicted_;          // records to fit, with what it predicts
+  std::vector<const Record*> records_;     // to fit
   DynamicModel model_;
   std::vector<std::string> without_;  // excluded from candidates
   std::vector<std::pair<std::string, std::string>> outputs_;
   Hypothesis base_;
   bool has_free_offsets_ = false;
   DynamicSizes sizes_;
-  std::vector<const Record*> records_;  // of the case
 };
 
 }  // namespace
 
 std::unique_ptr<Relation> dynamic_relation(const Case& c, const std::vector<std::string>& without) {
-  return std::make_unique<DynamicRelation>(c, without);
+  return anchored(std::make_unique<DynamicRelation>(c, without), c);
 }
 
 }  // namespace rths::diagnosis

@@ -235,6 +235,12 @@ VectorXd DynamicSimulator::start(const VectorXd& values, const MatrixXd& measure
   });
 }
 
+std::vector<double> DynamicSimulator::driven(std::size_t input, const VectorXd& values) const {
+  std::vector<double> signal = signals_.inputs[input];
+  if (setup_.inputs[input]) pass(*setup_.inputs[input], plain(values), signals_.start, signal);
+  return signal;
+}
+
 std::vector<std::vector<double>> DynamicSimulator::motion(const VectorXd& values) const {
   std::vector<std::vector<double>> result;
   const auto outputs =

@@ -27,6 +27,8 @@ class DynamicSimulator : public Simulator {
   /// Displacements, then velocities, then accelerations of the observed connections: those with
   /// terms, or all if `sizes` is null. Empty if the run diverges.
   [[nodiscard]] std::vector<std::vector<double>> motion(const VectorXd& values) const;
+  /// An input of the model after its terms.
+  [[nodiscard]] std::vector<double> driven(std::size_t input, const VectorXd& values) const;
   [[nodiscard]] int substeps() const { return setup_.substeps; }
 
  private:

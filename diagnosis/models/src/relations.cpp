@@ -11,6 +11,7 @@
 #include <rths/core/error.hpp>
 #include <rths/core/text.hpp>
 
+#include "anchored_relation.hpp"
 #include "candidate_terms.hpp"
 #include "composition_relation.hpp"
 
@@ -179,7 +180,7 @@ std::unique_ptr<Relation> relation_of(const Case& c, CompositionSetup setup) {
   if (setup.axes.empty()) return nullptr;
   setup.base = base_of(c, predicted, setup.has_free_offsets);
   if (predicted == "displacement") allow_half_a_sample(setup.base, moving_records(c)[0]->time_step);
-  return std::make_unique<CompositionRelation>(std::move(setup), moving_records(c));
+  return anchored(std::make_unique<CompositionRelation>(std::move(setup), moving_records(c)), c);
 }
 
 }  // namespace
@@ -193,7 +194,7 @@ bool has_actuator(const Case& c) {
 }
 
 void check_composed_model(const Case& c) {
-  const std::vector<std::string> keys{"kind", "fitted", "bounds"};
+  const std::vector<std::string> keys{"anchor", "kind", "fitted", "bounds"};
   for (const auto& key : c.model.table.keys())
     if (!c.model.table.is_table(key) && !contains(keys, key))
       c.model.table.fail(key,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
@@ -53,8 +54,15 @@ bool is_horizontal(const std::string& role) {
   return role.ends_with(".long") || role.ends_with(".lat");
 }
 
-// Whether a relation of compositions reads a channel.
+constexpr std::string_view kPredicted = "predicted.";
+
+// Whether a relation of compositions reads a channel, or is anchored to it.
 bool is_used_by_compositions(const Channel& channel, const Record& record, bool reads_commands) {
+  if (channel.role.starts_with(kPredicted)) {
+    const std::string output = channel.role.substr(kPredicted.size());
+    return is_horizontal(output) && record.find(output) != nullptr &&
+           (family_of(output) != "displacement" || reads_commands);
+  }
   const std::string family = family_of(channel.role);
   if (family == "vertical_force" || family == "temperature") return true;
   if (family == "auxiliary") {
@@ -69,13 +77,16 @@ bool is_used_by_compositions(const Channel& channel, const Record& record, bool 
 
 // Whether a dynamic model names the channel, or reads it for its added terms.
 bool is_used_by_model(const Channel& channel, const Record& record, const Model& model) {
-  if (channel.role.starts_with("predicted.")) return model.kind == ModelKind::Data;
-  if (model.kind != ModelKind::Data) {
+  const bool is_predicted = channel.role.starts_with(kPredicted);
+  if (!is_prediction(model.kind)) {
+    const std::string role = is_predicted ? channel.role.substr(kPredicted.size()) : channel.role;
     const std::string text = model.table.to_toml();
-    return text.find('"' + channel.role + '"') != std::string::npos ||
-           text.find('\'' + channel.role + '\'') != std::string::npos;
+    return text.find('"' + role + '"') != std::string::npos ||
+           text.find('\'' + role + '\'') != std::string::npos;
   }
+  if (is_predicted) return true;
   if (record.find("predicted." + channel.role) != nullptr) return true;
+  if (model.table.table_or_empty("outputs").has(channel.role)) return true;
   const std::string family = family_of(channel.role);
   return family == "input" || family == "command" || family == "displacement" ||
          family == "velocity" || family == "acceleration";
@@ -334,6 +345,7 @@ std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
   if (!all.back()->split.undetermined.empty()) limits.push_back(pieces_for(all.back()->split));
   if (!all.back()->proof.is_held_out) limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {
+    add(found->relation->notes());
     limits.push_back(filter_of(*found));
     add(visited_in(*found));
     add(opposed_outputs(*found->relation, moving_records(c)));

@@ -344,6 +344,7 @@ Plan plan(const Case& given, const DiagnosisOptions& options) {
   if (split.held.empty()) plan.limits.emplace_back("No record is held out for a proof.");
   for (const auto& relation : relations) {
     plan.relations.push_back(examined(*relation, split, noise, options.seed));
+    for (auto& note : relation->notes()) plan.limits.push_back(std::move(note));
     for (auto& opposed : opposed_outputs(*relation, moving_records(c)))
       plan.limits.push_back(std::move(opposed));
   }

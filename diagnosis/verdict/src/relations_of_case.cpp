@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "relations_of_case.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
@@ -16,6 +18,15 @@ void check_case(const Case& c, const std::vector<std::string>& without) {
   reject_unknown_terms(without, c);
   if (is_composition(c.model.kind)) check_composed_model(c);
   check_records(c);
+  const auto is_prediction = [](const Channel& channel) {
+    return channel.role.starts_with("predicted.");
+  };
+  if (c.model.table.has("anchor") &&
+      std::none_of(c.records.begin(), c.records.end(), [&](const Record& record) {
+        return std::any_of(record.channels.begin(), record.channels.end(), is_prediction);
+      }))
+    c.model.table.fail(
+        "anchor", "no record has a predicted channel, expected one as in predicted.force.long");
 }
 
 std::vector<RelationOf> relations_of_kind(ModelKind kind) {

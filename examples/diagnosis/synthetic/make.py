@@ -106,6 +106,23 @@ def masses(folder):
                [1e3 * s[1] + 0.02 * n for s, n in zip(states, noise[count:])]], 7)
 
 
+def program(folder):
+    """A mass on a spring, pushed by an actuator whose force saturates at 30 N."""
+    step, count, rest = 0.005, 2400, 2.0
+    m, k, c, limit = 2.0, 2000.0, 12.0, 30.0
+    for name, seed in (("fit.csv", 5), ("held_out.csv", 6)):
+        rng = random.Random(seed)
+        push = [9 * x for x in multisine(rng, [rng.uniform(0.5, 6) for _ in range(12)], step, count, rest)]
+        at = interpolated(push, step)
+
+        def rate(t, x):
+            return [x[1], (max(-limit, min(limit, at(t))) - c * x[1] - k * x[0]) / m]
+        times = [i * step for i in range(count)]
+        states = solve(rate, [0.0] * 2, times)
+        write(folder / name, ["t [s]", "push [N]", "x [mm]"],
+              [times, push, [1e3 * s[0] + rng.gauss(0, 0.05) for s in states]], 7)
+
+
 def structure(folder):
     """Three storeys under a recorded earthquake; the cladding of the first one slides with friction."""
     mass, k, friction, slip = 2.0e4, (3.0e7, 2.5e7, 2.0e7), 8.0e3, 2e-4
@@ -147,6 +164,7 @@ def main():
     out = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else HERE
     bearing(out / "bearing")
     masses(out / "masses")
+    program(out / "program")
     structure(out / "structure")
 
 

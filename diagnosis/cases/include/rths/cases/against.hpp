@@ -14,7 +14,7 @@ namespace rths::diagnosis {
 /// the recording of a run ("srmd.long.force.fbk", "displ.long"). Values are in SI. The column
 /// "time" [s] has the same origin as the record. The record is cut to the span of the simulation.
 /// Other records are removed, except references: the simulation does not predict their motions.
-/// A model of kind `data` keeps its terms.
+/// A model of kind `data` keeps its terms. A model with the key `anchor` stays.
 /// @param simulation  text, HDF5 or MAT
 /// @throws Error if the file cannot be read, has no time, or predicts no measured channel   @setup
 [[nodiscard]] Case with_prediction(Case c, const std::filesystem::path& simulation);

@@ -24,12 +24,23 @@ struct FittedParameter {
   std::optional<std::pair<double, double>> bounds;  ///< [SI]; none: the term's
 };
 
-enum class ModelKind { Bearing, Platen, ServoAxis, Structure, MassSpringDamper, Linear, Data };
+enum class ModelKind {
+  Bearing,
+  Platen,
+  ServoAxis,
+  Structure,
+  MassSpringDamper,
+  Linear,
+  Data,
+  Program
+};
 
 /// As in a case: "servo_axis".
 [[nodiscard]] std::string name_of(ModelKind kind);
 /// Whether a kind of model consists of terms of the catalogue: bearing, platen, servo axis.
 [[nodiscard]] bool is_composition(ModelKind kind);
+/// Whether a kind of model is the user's own prediction: data, or a program that makes them.
+[[nodiscard]] bool is_prediction(ModelKind kind);
 
 /// The model of the simulation.
 struct Model {

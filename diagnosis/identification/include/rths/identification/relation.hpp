@@ -27,6 +27,9 @@ class Drive {
   double start = 0, time_step = 0;  ///< of the rows [s]; without time: the first row, and 1
   bool has_time = true;             ///< as the record's
   MatrixXd measured;                ///< rows × outputs, filtered as predictions are
+  /// What anchors the prediction to the user's own simulation: added to it, rows × outputs; empty:
+  /// nothing.
+  MatrixXd anchor;
   /// States over which the residual is mapped: rows × outputs, empty if unknown [m], [m/s].
   MatrixXd displacement, velocity;
   std::vector<StateName> state_names;  ///< of `displacement`, by output
@@ -95,6 +98,9 @@ class Relation {
   [[nodiscard]] virtual bool runs_freely() const { return false; }
   /// Roles of the channels that a laboratory can choose; none: the prediction is given as data.
   [[nodiscard]] virtual std::vector<std::string> drivers() const = 0;
+
+  /// What a verdict says about the model, besides the channels: "The simulation ran 312 times."
+  [[nodiscard]] virtual std::vector<std::string> notes() const { return {}; }
 
   /// @throws Error if the record lacks a channel that the relation needs
   [[nodiscard]] virtual std::unique_ptr<Drive> prepare(const Record& record) const = 0;

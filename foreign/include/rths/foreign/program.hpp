@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <rths/foreign/simulation.hpp>
+
+namespace rths::foreign {
+
+/// A simulation that is a program: it reads a table of inputs and writes a table of outputs.
+struct ProgramSettings {
+  std::vector<std::string> command;  ///< program and arguments, with placeholders
+  std::filesystem::path folder;      ///< relative paths in the command start here
+  std::vector<std::string> inputs, outputs, parameters;  ///< names of columns and parameters
+  double deadline = 60;                                  ///< of one run [s]
+};
+
+/// Each run has an empty folder of its own, in which the program starts:
+///     inputs.csv       the column "time" [s] and the inputs, one row per sample
+///     parameters.toml  the parameters by name
+///     outputs.csv      written by the program: the outputs by name in any order, and "time" if its
+///                      rows are other times; they are then interpolated linearly
+/// The placeholders {inputs}, {outputs}, {parameters} in an argument stand for the full paths of
+/// these files, {name} for the value of a parameter. No shell is involved. An argument that is a
+/// file below `folder` becomes its full path. A run that ends, fails or is interrupted leaves no
+/// process of its process group.
+/// @throws Error if the command is empty, its program cannot be executed, or a placeholder is
+///         unknown   @setup
+[[nodiscard]] std::unique_ptr<Simulation> make_program(ProgramSettings settings);
+
+}  // namespace rths::foreign

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/foreign/program.hpp>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <rths/core/error.hpp>
+#include <rths/core/file.hpp>
+#include <rths/core/text.hpp>
+
+#include "child.hpp"
+#include "run_table.hpp"
+
+namespace rths::foreign {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kInputs = "inputs.csv";
+constexpr const char* kOutputs = "outputs.csv";
+constexpr const char* kParameters = "parameters.toml";
+
+/// A folder for one run.
+class TemporaryRun {
+ public:
+  TemporaryRun() {
+    std::string name = (temporary_folder() / "rths_run_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw Error{name + ": the folder cannot be made"};
+    path_ = name;
+  }
+  ~TemporaryRun() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryRun(const TemporaryRun&) = delete;
+  TemporaryRun& operator=(const TemporaryRun&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+  void write(const char* name, const std::string& text) const {
+    std::ofstream file{path_ / name, std::ios::binary};
+    file << text;
+    file.close();
+    if (!file) throw Error{(path_ / name).string() + ": cannot be written"};
+  }
+
+ private:
+  fs::path path_;
+};
+
+// As execvp searches it.
+std::string found_in_path(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders{path == nullptr ? "/usr/bin:/bin" : path};
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (const auto file = fs::path{folder} / name; access(file.c_str(), X_OK) == 0)
+      return fs::absolute(file).string();
+  throw Error{fmt::format("there is no program '{}' on PATH", name)};
+}
+
+std::string program_of(const std::string& name, const fs::path& folder) {
+  if (name.find('/') == std::string::npos) return found_in_path(name);
+  const fs::path file = fs::absolute(folder / name).lexically_normal();
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) throw Error{file.string() + " is not a file"};
+  if (access(file.c_str(), X_OK) != 0) throw Error{file.string() + " cannot be executed"};
+  return file.string();
+}
+
+class ProgramSimulation final : public Simulation {
+ public:
+  explicit ProgramSimulation(ProgramSettings settings) : settings_{std::move(settings)} {
+    auto& command = settings_.command;
+    if (command.empty()) throw Error{"the command is empty, expected a program and arguments"};
+    command[0] = program_of(command[0], settings_.folder);
+    for (std::size_t i = 1; i < command.size(); ++i) {
+      std::error_code ignored;
+      const fs::path file = fs::absolute(settings_.folder / command[i]).lexically_normal();
+      if (!command[i].empty() && fs::is_regular_file(file, ignored)) command[i] = file.string();
+      check_placeholders(command[i]);
+    }
+  }
+
+  RunOutputs run(const RunInputs& inputs) const override {
+    const TemporaryRun folder;
+    folder.write(kInputs, table_of_inputs(inputs, settings_.inputs));
+    std::string parameters;
+    for (std::size_t i = 0; i < settings_.parameters.size(); ++i)
+      parameters +=
+          fmt::format("\"{}\" = {:.16e}\n", settings_.parameters[i], inputs.parameters[i]);
+    folder.write(kParameters, parameters);
+    const ChildEnding ending =
+        run_child(command_for(inputs, folder.path()), folder.path(), settings_.deadline);
+    if (!ending.trouble.empty()) return {{}, with_messages(ending.trouble, ending)};
+    try {
+      return {read_outputs(folder.path() / kOutputs, settings_.outputs, inputs), ""};
+    } catch (const Error& error) {
+      std::error_code ignored;
+      return {{},
+              with_messages(fs::exists(folder.path() / kOutputs, ignored)
+                                ? error.what()
+                                : std::string{"wrote no "} + kOutputs,
+                            ending)};
+    }
+  }
+
+ private:
+  [[nodiscard]] std::string with_messages(const std::string& trouble,
+                                          const ChildEnding& ending) const {
+    return fmt::format("{}: {}{}{}", settings_.command[0], trouble,
+                       ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
+  }
+
+  // Braces around anything but letters, digits, '_', '.' and '-' are text, as in JSON.
+  static std::vector<std::string> placeholders_in(const std::string& argument) {
+    std::vector<std::string> found;
+    for (std::size_t at = 0; (at = argument.find('{', at)) != std::string::npos; ++at) {
+      const auto end = argument.find('}', at);
+      if (end == std::string::npos) break;
+      const std::string name = argument.substr(at + 1, end - at - 1);
+      const bool is_name = !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
+        return (std::isalnum(static_cast<unsigned char>(c)) != 0) || c == '_' || c == '.' ||
+               c == '-';
+      });
+      if (is_name) found.push_back(name);
+    }
+    return found;
+  }
+
+  void check_placeholders(const std::string& argument) const {
+    std::vector<std::string> known{"inputs", "outputs", "parameters"};
+    known.insert(known.end(), settings_.parameters.begin(), settings_.parameters.end());
+    for (const auto& name : placeholders_in(argument))
+      if (!contains(known, name))
+        throw Error{fmt::format("unknown placeholder '{{{}}}', expected one of {}", name,
+                                fmt::join(known, ", "))};
+  }
+
+  [[nodiscard]] std::string value_of(const std::string& name, const RunInputs& inputs,
+                                     const fs::path& folder) const {
+    if (name == "inputs") return (folder / kInputs).string();
+    if (name == "outputs") return (folder / kOutputs).string();
+    if (name == "parameters") return (folder / kParameters).string();
+    const auto at = std::find(settings_.parameters.begin(), settings_.parameters.end(), name);
+    return fmt::format(
+        "{}", inputs.parameters[static_cast<std::size_t>(at - settings_.parameters.begin())]);
+  }
+
+  [[nodiscard]] std::vector<std::string> command_for(const RunInputs& inputs,
+                                                     const fs::path& folder) const {
+    auto command = settings_.command;
+    for (auto argument = command.begin() + 1; argument != command.end(); ++argument)
+      for (const auto& name : placeholders_in(*argument)) {
+        const std::string placeholder = "{" + name + "}";
+        argument->replace(argument->find(placeholder), placeholder.size(),
+                          value_of(name, inputs, folder));
+      }
+    return command;
+  }
+
+  ProgramSettings settings_;
+};
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_program(ProgramSettings settings) {
+  return std::make_unique<ProgramSimulation>(std::move(settings));
+}
+
+}  // namespace rths::foreign
