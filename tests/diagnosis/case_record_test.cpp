@@ -54,14 +54,14 @@ TEST_F(RecordTest, MayHaveRowsWithoutTime) {
 
 TEST_F(RecordTest, RefusesTimesOfRowsWithoutTime) {
   EXPECT_EQ(error(std::string{kFit} + "span_s = [0, 1]\n", kRows),
-            "case.toml:9:10: the record has no time, expected no span_s: span_rows = [from, to] "
+            "case.toml:10:10: the record has no time, expected no span_s: span_rows = [from, to] "
             "selects rows");
   EXPECT_EQ(error(std::string{kFit} + "span_rows = [1, 3]\n"),
-            "case.toml:9:13: the record has a time, expected span_s");
+            "case.toml:10:13: the record has a time, expected span_s");
   EXPECT_EQ(error(kFit, std::string{kRows} + "rate_Hz = 1\n"),
             "case.toml:6:11: rate_Hz stands beside time = \"none\", expected only one of the two");
   EXPECT_EQ(error(std::string{kFit} + "[model]\nkind = \"servo_axis\"\n", kRows),
-            "case.toml:9:2: a model of kind 'servo_axis' needs records with a time, expected "
+            "case.toml:10:1: a model of kind 'servo_axis' needs records with a time, expected "
             "bearing, platen or data");
 }
 

@@ -183,7 +183,7 @@ TEST(Plan, OffersNoSectionAtRestInWhichAForceMoves) {
     record.quiet.reset();
     for (auto& channel : record.channels)
       for (std::size_t i = 250; i < 500 && channel.role == "force.long"; ++i)
-        channel.values[i] += 16.0 * static_cast<double>(i - 250);
+        channel.values[i] += 400.0 * static_cast<double>(i - 250);
   }
 
   const std::string remedy = diagnosis::plan(c).noise.remedy;

@@ -146,19 +146,22 @@ class Pruning {
     for (const Problem* problem : {&std::as_const(problem_), held_out_})
       for (std::size_t i = 0; problem != nullptr && i < problem->records(); ++i)
         for (const auto& channel : problem->record(i).channels)
-          if (channel.role == candidate.channel || family_of(channel.role) == candidate.channel)
+          if ((channel.role == candidate.channel || family_of(channel.role) == candidate.channel) &&
+              channel.role.ends_with(candidate.axis))
             largest = std::max(largest, values_of(channel).cwiseAbs().maxCoeff());
-    return limit->value < kReadRange * largest;
+    const double noise = kNoisyReading * noise_.deviation(family_of(candidate.channel));
+    return limit->value + noise < kReadRange * largest;
   }
 
-  // Whether a size ended at a bound that does not mean its absence.
+  // Whether a size ended at a bound that does not mean its absence. All of a share is a size, too.
   bool is_at_bound(const Candidate& candidate) const {
     const Hypothesis& named = selection_.named;
     for (std::size_t i = 0; i < named.free.size(); ++i) {
       const FreeParameter& free = named.free[i];
       const double value = named.values[static_cast<Index>(i)];
-      const double near = kOnBound * (free.high - free.low);
-      if (free.absent && (value > free.high - near || value < free.low + near) &&
+      const double near = kOnBound * free.scale;
+      if (free.absent && free.unit != "-" &&
+          (value > free.high - near || value < free.low + near) &&
           std::abs(value - *free.absent) > near &&
           std::any_of(candidate.frees.begin(), candidate.frees.end(),
                       [&](const FreeParameter& own) { return own.name == free.name; }))

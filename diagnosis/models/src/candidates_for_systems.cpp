@@ -15,7 +15,7 @@ const std::vector<CandidateTerm>& connection_entries() {
       term("input_dead_zone", kHere, kSpring, {size("half_width", {0.03, 0.15})}),
       term("large_strain_stiffening", kHere,
            {size("stiffness", 0.1), shape_near("onset", {0.3, 0.6})}),
-      term("linear_stiffness", kHere, {size("stiffness", 0.03)}),
+      term("linear_stiffness", kHere, {size("stiffness", {0.03, 1, 5})}),
       term("cubic_stiffness", kHere, {size("stiffness", 0.03)}),
       term("asymmetric_stiffness", kHere, {size("stiffness", 0.03)}),
       term("viscoelastic_relaxation", kHere,

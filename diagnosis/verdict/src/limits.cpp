@@ -233,9 +233,9 @@ std::optional<std::pair<double, double>> apparent_rest(const Record& record,
   const auto is_at_rest = [&](std::size_t from, std::size_t to) {
     return motion_at_rest(record, {from, to}, records).empty();
   };
-  for (; is_enough(head); head = 9 * head / 10)
+  for (; is_enough(head); head -= std::max<std::size_t>(1, head / 200))
     if (is_at_rest(0, head)) return std::pair{at(0), at(head - 1)};
-  for (; is_enough(tail); tail = 9 * tail / 10)
+  for (; is_enough(tail); tail -= std::max<std::size_t>(1, tail / 200))
     if (is_at_rest(n - tail, n)) return std::pair{at(n - tail), at(n - 1)};
   return std::nullopt;
 }

@@ -132,8 +132,9 @@ inline constexpr double kSeenShare = 0.25;  ///< [-] of the error's energy: seen
 inline constexpr double kLeastShift = 0.1;  ///< [samples] of a shift in time
 inline constexpr double kTakenOver = 0.5;   ///< [-] of a candidate's energy, by a form
 
+inline constexpr double kNoisyReading = 5;  ///< [-] deviations of the noise, in the largest reading
 inline constexpr double kReadRange = 0.98;  ///< [-] of the largest reading: a saturation above it
-inline constexpr double kOnBound = 1e-3;    ///< [-] of the range of a size: it lies on the bound
+inline constexpr double kOnBound = 1e-3;    ///< [-] of the scale of a size: it lies on the bound
 
 // ---- Confidence in a name
 inline constexpr double kMostSure = 0.97;        ///< [-] nothing is left, proven on unseen records
