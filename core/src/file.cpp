@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/core/file.hpp>
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -51,6 +54,15 @@ std::filesystem::path temporary_folder() {
       throw Error{fmt::format("{}: no folder for temporary files: {}; the variable {} names it",
                               named, problem.message(), variable)};
   throw Error{fmt::format("/tmp: no folder for temporary files: {}", problem.message())};
+}
+
+std::optional<std::filesystem::path> found_in_path(const std::string& program) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders{path == nullptr ? "/usr/bin:/bin" : path};
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (auto file = std::filesystem::path{folder} / program; access(file.c_str(), X_OK) == 0)
+      return file;
+  return std::nullopt;
 }
 
 }  // namespace rths

@@ -4,12 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdlib>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <rths/core/file.hpp>
 #include <rths/core/text.hpp>
 
 namespace rths::experiment {
@@ -49,14 +48,9 @@ std::filesystem::path file_beside(const std::filesystem::path& recording, const 
   return recording.parent_path() / (recording.stem().string() + "." + node + ending);
 }
 
-// As execvp searches it.
 bool is_program(const std::string& name) {
   if (name.find('/') != std::string::npos) return access(name.c_str(), X_OK) == 0;
-  const char* path = std::getenv("PATH");
-  std::istringstream folders{path == nullptr ? "/usr/bin:/bin" : path};
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (access((std::filesystem::path{folder} / name).c_str(), X_OK) == 0) return true;
-  return false;
+  return found_in_path(name).has_value();
 }
 
 }  // namespace rths::experiment

@@ -5,9 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cstdlib>
 #include <fstream>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -55,18 +53,11 @@ class TemporaryRun {
   fs::path path_;
 };
 
-// As execvp searches it.
-std::string found_in_path(const std::string& name) {
-  const char* path = std::getenv("PATH");
-  std::istringstream folders{path == nullptr ? "/usr/bin:/bin" : path};
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (const auto file = fs::path{folder} / name; access(file.c_str(), X_OK) == 0)
-      return fs::absolute(file).string();
-  throw Error{fmt::format("there is no program '{}' on PATH", name)};
-}
-
 std::string program_of(const std::string& name, const fs::path& folder) {
-  if (name.find('/') == std::string::npos) return found_in_path(name);
+  if (name.find('/') == std::string::npos) {
+    if (const auto file = found_in_path(name)) return fs::absolute(*file).string();
+    throw Error{fmt::format("there is no program '{}' on PATH", name)};
+  }
   const fs::path file = fs::absolute(folder / name).lexically_normal();
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) throw Error{file.string() + " is not a file"};

@@ -15,14 +15,13 @@ namespace {
 
 using recording::Table;
 
-constexpr const char* kPrefix = "predicted.";
 constexpr double kRoundOff = 1e-6;  // of a time step
 
-bool is_prediction(const Channel& channel) { return channel.role.rfind(kPrefix, 0) == 0; }
+bool is_prediction(const Channel& channel) { return is_predicted(channel.role); }
 
 // Accepted names of a column: "force.long", "predicted.force.long", "srmd.long.force.fbk".
 std::vector<std::string> names_of(const std::string& role) {
-  std::vector<std::string> names{role, kPrefix + role};
+  std::vector<std::string> names{role, prediction_of(role)};
   const auto dot = role.find('.');
   if (dot == std::string::npos) return names;
   const std::string quantity = role.substr(0, dot), axis = role.substr(dot + 1);
@@ -118,7 +117,7 @@ void add_predictions(Record& record, const Table& table, const std::vector<doubl
     const auto* column = column_of(table, channel.role);
     if (column == nullptr || channel.role.rfind("command.", 0) == 0) continue;
     predictions.push_back(
-        {kPrefix + channel.role, channel.unit, at_times_of(record, time, column->values)});
+        {prediction_of(channel.role), channel.unit, at_times_of(record, time, column->values)});
     require_finite(predictions.back().values, *column, file);
   }
   if (predictions.empty())

@@ -37,7 +37,7 @@ double highest_frequency(const Eigen::VectorXd& signal, double time_step) {
   const Spectrum spectrum = power_spectrum(centred, kWindow, time_step);
   const double total = spectrum.density.sum();
   double above = 0;
-  Eigen::Index i = spectrum.density.size() - 1;
+  Index i = spectrum.density.size() - 1;
   for (; i > 0 && above + spectrum.density[i] < kNoEnergy * total; --i)
     above += spectrum.density[i];
   return spectrum.frequency[i];

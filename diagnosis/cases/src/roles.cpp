@@ -28,7 +28,6 @@ constexpr Family kFamilies[] = {{"command", true, {"m", "rad"}},
                                 {"input", true, {}},
                                 {"output", true, {}},
                                 {"auxiliary", true, {}}};
-constexpr std::string_view kPredicted = "predicted.";
 
 // In the order of ModelKind.
 constexpr std::string_view kModelKinds[] = {
@@ -39,7 +38,7 @@ constexpr std::string_view kModelKinds[] = {
 
 std::optional<std::string> trouble_with(const std::string& full_role, const std::string& si_unit) {
   std::string_view role = full_role;
-  if (role.starts_with(kPredicted)) role.remove_prefix(kPredicted.size());
+  if (is_predicted(role)) role.remove_prefix(kPredicted.size());
   const auto dot = role.find('.');
   const std::string_view name = role.substr(0, dot);
   const auto family = std::find_if(std::begin(kFamilies), std::end(kFamilies),

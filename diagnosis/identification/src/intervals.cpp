@@ -12,11 +12,7 @@
 namespace rths::diagnosis {
 namespace {
 
-bool is_on_bound(const Hypothesis& hypothesis, Index i) {
-  const FreeParameter& free = hypothesis.free[static_cast<std::size_t>(i)];
-  const double value = hypothesis.values[i], near = 1e-6 * free.scale;
-  return value <= free.low + near || value >= free.high - near;
-}
+constexpr double kSameValue = 1e-6;  // of a parameter's scale
 
 // (JᵀJ)⁻¹. A parameter that the residual does not determine gets a large variance.
 MatrixXd inverse_of_normal(const MatrixXd& jacobian) {
@@ -48,7 +44,7 @@ struct Minimum {
     inverse = inverse_of_normal(jacobian);
     bound = VectorXd::Zero(jacobian.cols());
     for (Index i = 0; i < bound.size(); ++i) {
-      if (!is_on_bound(hypothesis, i)) continue;
+      if (!is_on_bound(hypothesis, i, kSameValue)) continue;
       bound[i] = inverse(i, i);
       jacobian.col(i).setZero();
     }
@@ -135,6 +131,12 @@ double chi_square_95(std::size_t degrees) {
 }
 
 }  // namespace
+
+bool is_on_bound(const Hypothesis& hypothesis, Index i, double tolerance) {
+  const FreeParameter& free = hypothesis.free[static_cast<std::size_t>(i)];
+  const double value = hypothesis.values[i], near = tolerance * free.scale;
+  return value <= free.low + near || value >= free.high - near;
+}
 
 double fold_disagreement(const Problem& problem, const Folds& folds, const Hypothesis& fitted) {
   const Minimum one{problem, folds.first, fitted}, other{problem, folds.second, fitted};

@@ -52,10 +52,7 @@ Lattice lattice_of(const Channel& channel) {
 std::vector<Lattice> coarse_lattices(const std::vector<const Record*>& records) {
   std::vector<Lattice> found;
   for (const auto& channel : records[0]->channels) {
-    const bool is_sensor =
-        !channel.role.starts_with("command.") && !channel.role.starts_with("input.") &&
-        !channel.role.starts_with("predicted.") && !channel.role.starts_with("auxiliary.");
-    if (!is_sensor) continue;
+    if (!is_measured(channel.role)) continue;
     const Lattice lattice = lattice_of(channel);
     const bool everywhere =
         lattice.step > 0 && std::all_of(records.begin(), records.end(), [&](const Record* record) {

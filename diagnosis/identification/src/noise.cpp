@@ -15,12 +15,6 @@
 namespace rths::diagnosis {
 namespace {
 
-// Commands and inputs are exact: no sensor measures them.
-bool is_measured(const std::string& role) {
-  return !role.starts_with("command.") && !role.starts_with("input.") &&
-         !role.starts_with("predicted.") && !role.starts_with("auxiliary.");
-}
-
 VectorXd stretch_of(const Channel& channel, std::size_t from, std::size_t to) {
   return Eigen::Map<const VectorXd>(channel.values.data() + from, static_cast<Index>(to - from));
 }
@@ -191,10 +185,8 @@ VectorXd sizes_of(const MatrixXd& measured) {
 double largest_deviation(const std::vector<const Record*>& records, const std::string& role) {
   double largest = 0;
   for (const Record* record : records)
-    if (const Channel* channel = record->find(role)) {
-      const VectorXd x = values_of(*channel);
-      largest = std::max(largest, std::sqrt((x.array() - x.mean()).square().mean()));
-    }
+    if (const Channel* channel = record->find(role))
+      largest = std::max(largest, maths::deviation(channel->values));
   return largest;
 }
 

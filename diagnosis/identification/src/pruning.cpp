@@ -158,11 +158,9 @@ class Pruning {
     const Hypothesis& named = selection_.named;
     for (std::size_t i = 0; i < named.free.size(); ++i) {
       const FreeParameter& free = named.free[i];
-      const double value = named.values[static_cast<Index>(i)];
-      const double near = kOnBound * free.scale;
-      if (free.absent && free.unit != "-" &&
-          (value > free.high - near || value < free.low + near) &&
-          std::abs(value - *free.absent) > near &&
+      const auto index = static_cast<Index>(i);
+      if (free.absent && free.unit != "-" && is_on_bound(named, index, kOnBound) &&
+          std::abs(named.values[index] - *free.absent) > kOnBound * free.scale &&
           std::any_of(candidate.frees.begin(), candidate.frees.end(),
                       [&](const FreeParameter& own) { return own.name == free.name; }))
         return true;

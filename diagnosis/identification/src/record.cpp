@@ -23,6 +23,15 @@ MatrixXd Drive::compared_rows(const MatrixXd& signal) const {
 
 std::string family_of(std::string_view role) { return std::string{role.substr(0, role.find('.'))}; }
 
+bool is_predicted(std::string_view role) { return role.starts_with(kPredicted); }
+
+std::string prediction_of(std::string_view role) { return std::string{kPredicted}.append(role); }
+
+bool is_measured(std::string_view role) {
+  return !is_predicted(role) && !role.starts_with("command.") && !role.starts_with("input.") &&
+         !role.starts_with("auxiliary.");
+}
+
 std::string name_of(Use use) {
   if (use == Use::Fit) return "fit";
   return use == Use::HeldOut ? "held_out" : "reference";

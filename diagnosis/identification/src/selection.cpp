@@ -354,6 +354,7 @@ class Selector {
     auto& rounds = selection_.rounds;
     if (rounds.size() < 2) return;
     auto with = comparison_.scores(current_);
+    double scatter = comparison_.scatter(current_);
     for (std::size_t i = 0; rounds.size() > 1 && i < rounds.size();) {
       if (is_needed(selection_, i)) {
         ++i;
@@ -364,7 +365,6 @@ class Selector {
           fitted(problem_, with_rounds(selection_.base, rounds, is_other, current_), folds_.first,
                  kLongFit);
       auto without = comparison_.scores(rest);
-      const double scatter = comparison_.scatter(current_);
       if (comparison_.gains(without, with,
                             {scatter * kLeastAcceptedGain / 2, scatter * kLeastGainOfAnEvent})) {
         ++i;
@@ -373,6 +373,7 @@ class Selector {
       rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(i));
       current_ = rest;
       with = std::move(without);
+      scatter = comparison_.scatter(current_);
       i = 0;
     }
   }

@@ -10,8 +10,6 @@
 namespace rths::diagnosis {
 namespace {
 
-std::string prediction_of(const std::string& role) { return "predicted." + role; }
-
 // Adds the anchor of a drive. Derivatives stay.
 class AnchoredSimulator final : public Simulator {
  public:

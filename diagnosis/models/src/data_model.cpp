@@ -11,8 +11,6 @@
 namespace rths::diagnosis {
 namespace {
 
-constexpr std::string_view kPredicted = "predicted.";
-
 std::string member_of(const std::string& role) {
   const auto dot = role.find('.');
   return dot == std::string::npos ? "" : role.substr(dot);
@@ -28,7 +26,7 @@ std::vector<std::string> drivers_of(const std::string& output, const Record& rec
     for (const std::string_view family : {"input.", "command.", "displacement."})
       if (channel.role.starts_with(family) && channel.role != output)
         drivers.push_back(channel.role);
-  if (drivers.empty()) drivers.push_back(std::string{kPredicted} + output);
+  if (drivers.empty()) drivers.push_back(prediction_of(output));
   return drivers;
 }
 
@@ -42,7 +40,7 @@ class DataReader {
  public:
   explicit DataReader(const Record& record) : record_{record} {
     for (const auto& channel : record.channels)
-      if (channel.role.starts_with(kPredicted)) add(channel.role.substr(kPredicted.size()));
+      if (is_predicted(channel.role)) add(channel.role.substr(kPredicted.size()));
   }
 
   DynamicModel model;
@@ -56,7 +54,7 @@ class DataReader {
     const std::size_t index = model.outputs.size() - 1;
     // The prediction is the input with the output's index.
     model.inputs.insert(model.inputs.begin() + static_cast<std::ptrdiff_t>(index),
-                        std::string{kPredicted} + output);
+                        prediction_of(output));
   }
 
   Index plant_input(const std::string& role, int order) {

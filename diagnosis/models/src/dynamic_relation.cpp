@@ -216,9 +216,7 @@ class DynamicRelation : public Relation {
   }
 
   std::vector<std::string> drivers() const override {
-    const bool is_data =
-        std::any_of(model_.inputs.begin(), model_.inputs.end(),
-                    [](const std::string& role) { return role.starts_with("predicted."); });
+    const bool is_data = std::any_of(model_.inputs.begin(), model_.inputs.end(), is_predicted);
     return is_data ? std::vector<std::string>{} : model_.inputs;
   }
 

@@ -80,20 +80,21 @@ Record ForeignModel::predicted(const Record& record, bool is_first) const {
         fmt::format("{}: the record has gaps, but a simulation that runs needs all of its inputs",
                     record.name)};
   const foreign::RunInputs run = stated_run(record);
-  try {
-    if (is_first) runs_->check_repeats(run);
-  } catch (const Error& error) {
-    throw Error{fmt::format("{}: {}", record.name, error.what())};
-  }
-  if (is_first)
+  if (is_first) {
+    try {
+      runs_->check_repeats(run);
+    } catch (const Error& error) {
+      throw Error{fmt::format("{}: {}", record.name, error.what())};
+    }
     write_message(fmt::format("The simulation runs in {:.2g} s, at most {} times, {} at a time.\n",
                               runs_->seconds() / static_cast<double>(runs_->made()), runs_->most(),
                               foreign::processors()));
+  }
   const foreign::RunOutputs& result = runs_->result(run);
   if (!result.trouble.empty()) throw Error{fmt::format("{}: {}", record.name, result.trouble)};
   Record with = record;
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
-    const std::string role = "predicted." + outputs_[i];
+    const std::string role = prediction_of(outputs_[i]);
     std::erase_if(with.channels, [&](const Channel& channel) { return channel.role == role; });
     with.channels.push_back({role, channel_of(record, outputs_[i]).unit, result.outputs[i]});
   }
@@ -112,9 +113,9 @@ DynamicModel read_foreign(const Config& table, const ForeignModel& foreign, cons
   Record only = record;
   // Other predictions in the record are none of this simulation.
   std::erase_if(only.channels, [&](const Channel& channel) {
-    return channel.role.starts_with("predicted.") &&
+    return is_predicted(channel.role) &&
            std::none_of(foreign.outputs().begin(), foreign.outputs().end(),
-                        [&](const auto& role) { return channel.role == "predicted." + role; });
+                        [&](const auto& role) { return channel.role == prediction_of(role); });
   });
   return read_predicted(rest, only, foreign.inputs(), foreign.parameters());
 }

@@ -54,11 +54,9 @@ bool is_horizontal(const std::string& role) {
   return role.ends_with(".long") || role.ends_with(".lat");
 }
 
-constexpr std::string_view kPredicted = "predicted.";
-
 // Whether a relation of compositions reads a channel, or is anchored to it.
 bool is_used_by_compositions(const Channel& channel, const Record& record, bool reads_commands) {
-  if (channel.role.starts_with(kPredicted)) {
+  if (is_predicted(channel.role)) {
     const std::string output = channel.role.substr(kPredicted.size());
     return is_horizontal(output) && record.find(output) != nullptr &&
            (family_of(output) != "displacement" || reads_commands);
@@ -77,15 +75,16 @@ bool is_used_by_compositions(const Channel& channel, const Record& record, bool 
 
 // Whether a dynamic model names the channel, or reads it for its added terms.
 bool is_used_by_model(const Channel& channel, const Record& record, const Model& model) {
-  const bool is_predicted = channel.role.starts_with(kPredicted);
+  const bool is_of_simulation = is_predicted(channel.role);
   if (!is_prediction(model.kind)) {
-    const std::string role = is_predicted ? channel.role.substr(kPredicted.size()) : channel.role;
+    const std::string role =
+        is_of_simulation ? channel.role.substr(kPredicted.size()) : channel.role;
     const std::string text = model.table.to_toml();
     return text.find('"' + role + '"') != std::string::npos ||
            text.find('\'' + role + '\'') != std::string::npos;
   }
-  if (is_predicted) return true;
-  if (record.find("predicted." + channel.role) != nullptr) return true;
+  if (is_of_simulation) return true;
+  if (record.find(prediction_of(channel.role)) != nullptr) return true;
   if (model.table.table_or_empty("outputs").has(channel.role)) return true;
   const std::string family = family_of(channel.role);
   return family == "input" || family == "command" || family == "displacement" ||

@@ -18,9 +18,7 @@ void check_case(const Case& c, const std::vector<std::string>& without) {
   reject_unknown_terms(without, c);
   if (is_composition(c.model.kind)) check_composed_model(c);
   check_records(c);
-  const auto is_prediction = [](const Channel& channel) {
-    return channel.role.starts_with("predicted.");
-  };
+  const auto is_prediction = [](const Channel& channel) { return is_predicted(channel.role); };
   if (c.model.table.has("anchor") &&
       std::none_of(c.records.begin(), c.records.end(), [&](const Record& record) {
         return std::any_of(record.channels.begin(), record.channels.end(), is_prediction);

@@ -313,13 +313,14 @@ Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& red
                       found.problem->has_colour(),
                       found.problem->is_noise_known()};
   evaluation.residual = {proof.whiteness.correlation, proof.whiteness.bound, proof.is_white};
+  if (proof.is_held_out) {
+    evaluation.proof_record = proof.records.back().record;
+    evaluation.fit.insert(evaluation.fit.end(), proof.records.begin(), proof.records.end());
+  }
+  forget_floors(evaluation);
   for (std::size_t i = 0; i < found.problem->records(); ++i)
     add_traces(found, *found.problem, i, i == 0 ? reduced : ReducedModels{}, evaluation.traces);
-  forget_floors(evaluation);
   if (!proof.is_held_out) return evaluation;
-  evaluation.proof_record = proof.records.back().record;
-  evaluation.fit.insert(evaluation.fit.end(), proof.records.begin(), proof.records.end());
-  forget_floors(evaluation);
   const std::size_t last = found.held_out->records() - 1;
   for (std::size_t i = 0; i <= last; ++i)
     add_traces(found, *found.held_out, i, i == last ? reduced : ReducedModels{}, evaluation.traces);

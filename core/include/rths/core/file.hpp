@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace rths {
@@ -22,5 +23,8 @@ void check_is_file(const std::filesystem::path& file);
 /// Folder for temporary files: TMPDIR, otherwise /tmp.
 /// @throws Error if there is no such folder   @setup
 [[nodiscard]] std::filesystem::path temporary_folder();
+
+/// The program of this name in the folders of PATH, as execvp searches it; none: there is none.
+[[nodiscard]] std::optional<std::filesystem::path> found_in_path(const std::string& program);
 
 }  // namespace rths

@@ -73,10 +73,10 @@ inline constexpr double kRankCut = 1e-6;        ///< [-] of the largest singular
 inline constexpr double kOwnShare = 1e-7;  ///< [-] of a column that no other explains, at least
 
 // ---- Folds and scores
-inline constexpr std::size_t kManyRecords = 4;  ///< [records] at least so many score each other
-inline constexpr Index kPieces = 32;            ///< [pieces] of a record that scores itself
-inline constexpr double kLongestPiece = 0.125;  ///< [s] less than a peak of strong motion lasts
-inline constexpr Eigen::Index kLeastRowsOfPiece = 8;  ///< [rows] of a longest piece, at any rate
+inline constexpr std::size_t kManyRecords = 4;   ///< [records] at least so many score each other
+inline constexpr Index kPieces = 32;             ///< [pieces] of a record that scores itself
+inline constexpr double kLongestPiece = 0.125;   ///< [s] less than a peak of strong motion lasts
+inline constexpr Index kLeastRowsOfPiece = 8;    ///< [rows] of a longest piece, at any rate
 inline constexpr std::size_t kFewPieces = 8;     ///< [pieces] of a stratum: fewer cannot be divided
 inline constexpr double kDeterminedShare = 0.2;  ///< [-] of a state's range: determines its law
 inline constexpr double kScoreBlock = 1;  ///< [s] of resampling: longer than the noise's memory
@@ -148,7 +148,7 @@ inline constexpr double kLargestInflation = 1e6;  ///< [-] of a variance, by oth
 inline constexpr std::size_t kBiasDraws = 4;      ///< [draws] of the noise in the motion
 inline constexpr double kLargestMove = 0.1;       ///< [scales] of a parameter, still linear
 inline constexpr double kClusterBlock = 1.5;      ///< [s] of the residual, which correlates within,
-inline constexpr Eigen::Index kLeastCluster = 8;  ///< [rows] and at least so many rows
+inline constexpr Index kLeastCluster = 8;         ///< [rows] and at least so many rows
 
 // ---- Proof
 inline constexpr Index kLags = 20;            ///< [lags] of the residual's correlation

@@ -29,6 +29,10 @@ struct Estimate {
 [[nodiscard]] std::vector<Estimate> estimates_of(const Hypothesis& fitted,
                                                  const MatrixXd& covariance);
 
+/// Whether a free parameter ended at one of its bounds.
+/// @param tolerance  of the parameter's scale
+[[nodiscard]] bool is_on_bound(const Hypothesis& hypothesis, Index i, double tolerance);
+
 /// Whether all sizes of a candidate together may have the values of no effect: Wald's test at 5 %
 /// (Wald 1943). Its other parameters count as known, at the price of their degrees of freedom.
 /// False for a candidate without sizes.

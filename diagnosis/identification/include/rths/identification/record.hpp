@@ -21,6 +21,15 @@ struct Channel {
 /// The first part of a role: "displacement" of "displacement.long".
 [[nodiscard]] std::string family_of(std::string_view role);
 
+/// Begins the role of a channel that a simulation predicted: "predicted.force.long".
+inline constexpr std::string_view kPredicted = "predicted.";
+[[nodiscard]] bool is_predicted(std::string_view role);
+/// The role of the prediction of a channel.
+[[nodiscard]] std::string prediction_of(std::string_view role);
+/// Whether a sensor measured the channel: commands, inputs, predictions and auxiliary channels
+/// count as exact.
+[[nodiscard]] bool is_measured(std::string_view role);
+
 /// Purpose of a record.
 enum class Use {
   Fit,       ///< parameters are fitted to it
