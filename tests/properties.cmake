@@ -69,6 +69,7 @@ rths_tests(rths_contradictions_test "InRealTime" LABELS realtime)
 rths_tests(rths_wall_run_test "^(Of/Death|OpenSeesWall\\.RunsInRealTime|WallRun\\.(TakesAsLong|EndsWhen|ComesToRestWhen|IsNotCompleted))" RUN_SERIAL ON)
 rths_tests(rths_death_trial_test "." RUN_SERIAL ON)
 rths_tests(rths_foreign_node_test "StopsTheRunWithinTwoSeconds" RUN_SERIAL ON)
+rths_tests(rths_live_test "^Live\\." RUN_SERIAL ON)
 
 # With RTHS_LONG=1, forty runs each.
 rths_tests(rths_death_trial_test "." TIMEOUT 1200)

@@ -165,7 +165,9 @@ Case case_of_run(const std::filesystem::path& file) {
     if (experiment) take_experiment(run, *experiment, result.source);
   });
   const auto held_out = file.parent_path() / kHeldOutFile;
-  if (held_out != file && std::filesystem::exists(held_out))
+  // A run may be about to make it.
+  if (held_out != file && std::filesystem::exists(held_out) &&
+      !recording::is_being_written(held_out))
     of_file(held_out, [&] {
       result.records.push_back(record_of(Reader{held_out}, kHeldOutFile, Use::HeldOut));
       result.source.inputs.push_back(held_out);

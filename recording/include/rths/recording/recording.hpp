@@ -167,6 +167,8 @@ auto of_file(const std::filesystem::path& file, Read read) {
     throw Error{file.string() + ": " + text};
   }
 }
+/// Whether a process has the recording open to write it.
+[[nodiscard]] bool is_being_written(const std::filesystem::path& file);
 /// True if the file begins as an HDF5 file does.
 [[nodiscard]] bool is_hdf5(const std::filesystem::path& file);
 /// Adds texts, once, and series of equally spaced values to /meta of a recording that is finished
