@@ -172,6 +172,30 @@ Json budget_json(const budget::MismatchBudget& found) {
   return {{"axes", each(found.axes, axis_budget_json)}, {"replay_nrms", number(found.replay)}};
 }
 
+Json peak_json(const budget::PeakBand& peak) {
+  return {{"name", peak.name},
+          {"unit", peak.unit},
+          {"value", number(peak.value)},
+          {"ci95", interval({peak.low, peak.high})}};
+}
+
+Json spectrum_json(const budget::SpectrumBand& spectrum) {
+  return {{"floor", spectrum.floor},
+          {"acceleration_m_per_s2", numbers(spectrum.value)},
+          {"low", numbers(spectrum.low)},
+          {"high", numbers(spectrum.high)}};
+}
+
+Json bands_json(const budget::ResponseBands& bands) {
+  if (bands.is_empty()) return nullptr;
+  return {{"peaks", each(bands.peaks, peak_json)},
+          {"frequency_Hz", numbers(bands.frequencies)},
+          {"damping_ratio", number(bands.damping_ratio)},
+          {"spectra", each(bands.spectra, spectrum_json)},
+          {"runs", bands.runs},
+          {"remainder_counted", bands.has_remainder}};
+}
+
 // The fragment for experiments; of models that are not made of terms, [model] of the improved case.
 std::string improved_text(const Verdict& verdict) {
   if (!verdict.improvement.fragment.empty() || !verdict.improvement.source.file.has("model"))
@@ -194,6 +218,7 @@ Json verdict_numbers(const Verdict& verdict) {
   json["remainder"] = verdict.conclusion.has_remainder;
   json["where"] = where_json(verdict.conclusion.where);
   json["budget"] = budget_json(verdict.budget);
+  json["improved_response"] = bands_json(verdict.bands);
   json["causes"] = each(verdict.conclusion.causes, cause_json);
   json["fit"] = Json::object();
   for (const auto& score : verdict.evaluation.fit) json["fit"][score.record] = score_json(score);

@@ -102,6 +102,24 @@
     fragment();
   };
 
+  // Intervals of the improved simulation.
+  const bands = () => {
+    const r = v.improved_response;
+    if (!r) return hide("bands");
+    byId("bands-text").textContent = "Peaks and floor spectra of the purely numerical result with the improved model. The 95 % " +
+      `intervals carry those of the parameters of the specimen${r.remainder_counted ? " and the remaining error of the force" :
+        "; the remaining error of the force is not counted"}, by ${r.runs} simulations.`;
+    byId("peaks").append(tableOf(["peak", "value", "95 % interval", "unit"],
+      r.peaks.map(p => parameterRow(p.name.replace(".", ", "), p)), [0, 3]));
+    for (const s of r.spectra)
+      figures.lines("band-spectra", `Floor spectrum, ${s.floor}, ${number(100 * r.damping_ratio, 2)} % damping`, r.frequency_Hz,
+        "frequency [Hz]", "acceleration [m/s²]", [
+          { label: "95 % interval", color: "noise-line", width: 1, y: s.low.map(y => (y > 0 ? y : null)) },
+          { label: "95 % interval, upper end", color: "noise-line", width: 1, y: s.high },
+          { label: "improved simulation", color: "after", width: 1.6, y: s.acceleration_m_per_s2 },
+        ], { logX: true, logY: true, height: 320 });
+  };
+
   const limits = () => {
     for (const limit of v.limits) byId("limit-list").append(el("li", { textContent: limit }));
     if (!v.limits.length) byId("limit-list").remove();
@@ -113,6 +131,6 @@
       el("code", { textContent: "verdict.json" }), ", every curve in ", el("code", { textContent: "predictions/" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
   };
 
-  for (const draw of [header, budget.draw, where.draw, form, causes, model, proof.draw, proof.rivals, limits]) draw();
+  for (const draw of [header, budget.draw, where.draw, form, causes, model, bands, proof.draw, proof.rivals, limits]) draw();
   plots.done();
 })();

@@ -14,6 +14,8 @@
 #include <rths/report/report.hpp>
 #include <rths/session/hybrid_test.hpp>
 
+#include "error_bars.hpp"
+
 namespace rths::session {
 namespace {
 
@@ -71,6 +73,12 @@ void improve_experiment(const std::filesystem::path& file, const experiment::Ove
 void add_mismatch_budget(const std::filesystem::path& recording,
                          const std::filesystem::path& experiment,
                          const experiment::Overrides& changes, diagnosis::Verdict& verdict) {
+  try {
+    add_response_bands(experiment, changes, verdict);
+  } catch (const Error& error) {
+    verdict.limits.push_back(std::string{"The improved response has no intervals: "} +
+                             error.what());
+  }
   try {
     diagnosis::add_budget(budget_of(recording, experiment, changes, verdict.improvement.fragment),
                           verdict);

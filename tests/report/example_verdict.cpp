@@ -306,4 +306,16 @@ Verdict unknown_verdict() {
   return v;
 }
 
+budget::ResponseBands example_bands() {
+  budget::ResponseBands bands;
+  bands.peaks = {{"displacement.long", "m", 0.2125, 0.2085, 0.2165},
+                 {"force.long", "N", 1.91e6, 1.88e6, 1.94e6}};
+  bands.frequencies = {0.5, 2, 8};
+  bands.damping_ratio = 0.05;
+  bands.spectra = {{"containment", {1.5, 4.25, 3}, {1.4, 4, 0}, {1.6, 4.5, 6}}};
+  bands.runs = 21;
+  bands.has_remainder = true;
+  return bands;
+}
+
 }  // namespace rths::report::test_support

@@ -14,4 +14,7 @@ namespace rths::report::test_support {
 /// An unnamed force that depends on displacement.
 [[nodiscard]] diagnosis::Verdict unknown_verdict();
 
+/// Two peaks and a spectrum with their intervals.
+budget::ResponseBands example_bands();
+
 }  // namespace rths::report::test_support

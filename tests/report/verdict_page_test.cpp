@@ -136,6 +136,19 @@ TEST_F(RenderedVerdict, ShowsTheFormOfTheRemainderBesideACause) {
   EXPECT_TRUE(holds(page, ">Form of the remainder<"));
 }
 
+TEST_F(RenderedVerdict, ShowsTheIntervalsOfTheImprovedResponse) {
+  diagnosis::Verdict verdict = missing_verdict();
+  EXPECT_TRUE(is_hidden(rendered(verdict), "bands"));
+  verdict.bands = test_support::example_bands();
+
+  const std::string page = rendered(verdict);
+
+  EXPECT_EQ(body_of(page), "<body data-figures=\"10\">");
+  EXPECT_FALSE(is_hidden(page, "bands"));
+  EXPECT_TRUE(holds(page, ">212.5</td><td class=\"\">208.5 to 216.5</td><td class=\"text\">mm"));
+  EXPECT_TRUE(holds(page, "and the remaining error of the force, by 21 simulations"));
+}
+
 TEST_F(RenderedVerdict, OffersThePredictionWithoutEachCause) {
   diagnosis::Verdict verdict = missing_verdict();
   EXPECT_FALSE(holds(rendered(verdict), "Left out before"));

@@ -62,6 +62,22 @@ TEST(VerdictJson, HoldsPlaceCauseAndProof) {
   EXPECT_EQ(json["evidence"][5]["ci90"], nlohmann::json::parse("[-0.04, 0.06]"));
 }
 
+TEST(VerdictJson, HoldsTheIntervalsOfTheImprovedResponse) {
+  auto verdict = missing_verdict();
+  EXPECT_TRUE(parsed(verdict)["improved_response"].is_null());
+  verdict.bands = test_support::example_bands();
+
+  const auto response = parsed(verdict)["improved_response"];
+
+  EXPECT_EQ(response["peaks"][0]["name"], "displacement.long");
+  EXPECT_EQ(response["peaks"][0]["value"], 0.2125);
+  EXPECT_EQ(response["peaks"][1]["ci95"], nlohmann::json::parse("[1.88e6, 1.94e6]"));
+  EXPECT_EQ(response["spectra"][0]["high"][1], 4.5);
+  EXPECT_EQ(response["frequency_Hz"].size(), response["spectra"][0]["low"].size());
+  EXPECT_EQ(response["runs"], 21);
+  EXPECT_EQ(response["remainder_counted"], true);
+}
+
 TEST(VerdictJson, DescribesTheFormOfAnUnknownCause) {
   const auto form = parsed(unknown_verdict())["descriptions"][0];
 

@@ -26,6 +26,7 @@
 #include <rths/sim/term.hpp>
 
 #include "check_records.hpp"
+#include "deviations.hpp"
 #include "improved.hpp"
 #include "limits.hpp"
 #include "relations_of_case.hpp"
@@ -234,10 +235,11 @@ Cause* cause_of(const SelectionRound& round, std::vector<Cause>& causes) {
 
 // Causes of all relations, those of the shown one first, with what separates each from its
 // alternatives.
-std::vector<Cause> causes_of(const AllFindings& all, const RelationFindings& shown,
-                             const TestProposal& next) {
+std::vector<Cause> causes_of(const AllFindings& all, const Covariances& covariances,
+                             const RelationFindings& shown, const TestProposal& next) {
   std::vector<Cause> causes;
-  for (const RelationFindings* found : in_order(all, shown)) append(causes_of(*found), causes);
+  for (const RelationFindings* found : in_order(all, shown))
+    if (found->is_named()) append(causes_of(*found, covariances.at(found)), causes);
   const auto& rounds = shown.selection.rounds;
   std::stable_partition(causes.begin(), causes.end(), [&](const Cause& cause) {
     return std::any_of(rounds.begin(), rounds.end(),
@@ -356,11 +358,16 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
   progress.begin_stage("next test");
   TestProposal next =
       propose_test(all, c.model.kind == ModelKind::Bearing, ranking.outcome() == Outcome::Unknown);
-  auto causes = causes_of(all, shown, next);
+  const Covariances covariances = covariances_of(all);
+  auto causes = causes_of(all, covariances, shown, next);
   append(inseparable_of(next, causes), verdict.limits);
   verdict.next = {std::move(next.text), std::move(next.motion)};
   verdict.conclusion = conclude(all, ranking, std::move(causes), std::move(where), lattices);
   verdict.improvement = improvement_of(given, c, all, lattices, !verdict.conclusion.causes.empty());
+  if (is_composition(c.model.kind)) {
+    verdict.improvement.deviations = deviations_of(all, covariances);
+    verdict.improvement.remainder = remainder_of(verdict.evaluation);
+  }
   verdict.noise = noise_basis(c, noise);
   append(limits_of(c, noise, all), verdict.limits);
   append(lost, verdict.limits);

@@ -75,9 +75,9 @@ const sim::TermSettings* in_base(const RelationFindings& found, const std::strin
   return nullptr;
 }
 
-std::vector<TermTable> tables_of(const RelationFindings& found) {
+std::vector<TermTable> tables_of(const RelationFindings& found, const Hypothesis& named) {
   std::vector<TermTable> tables;
-  for (const auto& [settings, component] : found.selection.named.terms) {
+  for (const auto& [settings, component] : named.terms) {
     const std::string key = without_axis(settings.name);
     auto table = std::find_if(tables.begin(), tables.end(),
                               [&](const TermTable& known) { return known.key == key; });
@@ -111,9 +111,9 @@ void put_parameter(const Hypothesis& named, const sim::Parameter& parameter, Ter
 }
 
 // The tables that a fit has changed or added.
-std::vector<TermTable> changed_tables(const RelationFindings& found) {
-  const Hypothesis& named = found.selection.named;
-  std::vector<TermTable> tables = tables_of(found);
+// @param named  the named model, perhaps with other values
+std::vector<TermTable> changed_tables(const RelationFindings& found, const Hypothesis& named) {
+  std::vector<TermTable> tables = tables_of(found, named);
   for (auto& table : tables) {
     const sim::TermSettings& term = *table.terms[0];
     const sim::TermKind& kind = sim::term_kind(term.kind);
@@ -160,7 +160,7 @@ const sim::Parameter* parameter_of(const std::string& kind, const std::string& n
 bool may_be_fitted(const Candidate& candidate) { return !is_offset_of_sensor(candidate); }
 
 void improve_composition(const RelationFindings& found, Config& model) {
-  for (const auto& table : changed_tables(found)) {
+  for (const auto& table : changed_tables(found, found.selection.named)) {
     const bool replaces = table.is_added || !model.is_table(table.key);
     model.set(table.key, replaces ? table.changes : model.table(table.key).overlaid(table.changes));
   }
@@ -299,17 +299,24 @@ void add_rounding(const Lattice& lattice, Config& model) {
   model.set(key, table);
 }
 
+bool is_of_specimen(const sim::TermKind& kind) {
+  return kind.stage >= sim::Stage::Motion && kind.stage <= sim::Stage::Restoring;
+}
+
 const char* side_of(const sim::TermKind& kind) {
-  return kind.stage >= sim::Stage::Motion && kind.stage <= sim::Stage::Restoring ? "specimen"
-                                                                                 : "machine";
+  return is_of_specimen(kind) ? "specimen" : "machine";
 }
 
 }  // namespace
 
 std::string fragment_of(const RelationFindings& found) {
+  return fragment_of(found, found.selection.named);
+}
+
+std::string fragment_of(const RelationFindings& found, const Hypothesis& named) {
   if (!found.is_named()) return "";
   std::string text;
-  for (const auto& table : changed_tables(found)) {
+  for (const auto& table : changed_tables(found, named)) {
     text += fmt::format("[{}.{}]\n", side_of(sim::term_kind(table.terms[0]->kind)), table.key);
     if (table.changes.has("kind"))
       text += fmt::format("kind = \"{}\"\n", table.changes.text("kind"));
@@ -317,6 +324,18 @@ std::string fragment_of(const RelationFindings& found) {
     text += '\n';
   }
   return text;
+}
+
+std::vector<Index> specimen_parameters(const Hypothesis& named) {
+  std::vector<Index> found;
+  for (std::size_t i = 0; i < named.free.size(); ++i)
+    if (std::any_of(named.terms.begin(), named.terms.end(), [&](const ModelTerm& term) {
+          return !named.free[i].is_tolerance &&
+                 means(prefix_of(named.free[i].name), term.settings) &&
+                 is_of_specimen(sim::term_kind(term.settings.kind));
+        }))
+      found.push_back(static_cast<Index>(i));
+  return found;
 }
 
 bool has_rounding(const Case& c, const std::string& role) {

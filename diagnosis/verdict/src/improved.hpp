@@ -14,6 +14,11 @@ namespace rths::diagnosis {
 /// TOML of the named terms, and of the parameters fitted with them, for [specimen] and [machine] of
 /// an experiment; empty if nothing was named. For models made of terms of the catalogue.
 [[nodiscard]] std::string fragment_of(const RelationFindings& found);
+/// The same of the named model with other values.
+[[nodiscard]] std::string fragment_of(const RelationFindings& found, const Hypothesis& named);
+
+/// Indices of the free parameters that belong to terms of the specimen.
+[[nodiscard]] std::vector<Index> specimen_parameters(const Hypothesis& named);
 
 /// Whether the model has the coarse steps of a sensor.
 [[nodiscard]] bool has_rounding(const Case& c, const std::string& role);

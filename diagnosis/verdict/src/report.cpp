@@ -273,16 +273,18 @@ std::vector<Description> descriptions_of(const AllFindings& all, const RelationF
   return descriptions;
 }
 
-std::vector<Cause> causes_of(const RelationFindings& found) {
+MatrixXd covariance_of(const RelationFindings& found) {
+  return covariance_of(*found.problem, found.folds.both, found.selection.named,
+                       fold_disagreement(*found.problem, found.folds, found.selection.named));
+}
+
+std::vector<Cause> causes_of(const RelationFindings& found, const MatrixXd& covariance) {
   std::vector<Cause> causes;
   if (!found.is_named()) return causes;
   const Selection& selection = found.selection;
   double total = 0;
   for (const auto& round : selection.rounds) total += std::max(0.0, round.chosen.gain);
-  const auto estimates =
-      estimates_of(selection.named,
-                   covariance_of(*found.problem, found.folds.both, selection.named,
-                                 fold_disagreement(*found.problem, found.folds, selection.named)));
+  const auto estimates = estimates_of(selection.named, covariance);
   for (const auto& round : selection.rounds) {
     const double explained =
         found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300);

@@ -20,8 +20,13 @@ using AllFindings = std::vector<std::unique_ptr<RelationFindings>>;
 [[nodiscard]] std::vector<Description> descriptions_of(const AllFindings& all,
                                                        const RelationFindings& shown);
 
+/// Covariance of the free parameters of the named model.
+[[nodiscard]] MatrixXd covariance_of(const RelationFindings& found);
+
 /// The named terms of a relation.
-[[nodiscard]] std::vector<Cause> causes_of(const RelationFindings& found);
+/// @param covariance  of its named model
+[[nodiscard]] std::vector<Cause> causes_of(const RelationFindings& found,
+                                           const MatrixXd& covariance);
 
 /// Terms of a relation that were selected and are not named, and the reasons.
 [[nodiscard]] std::vector<std::string> withdrawn_of(const RelationFindings& found);

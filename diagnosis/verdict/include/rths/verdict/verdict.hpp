@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include <rths/budget/budget.hpp>
+#include <rths/budget/response_bands.hpp>
 #include <rths/cases/case.hpp>
 #include <rths/experiment_design/proposal.hpp>
 #include <rths/identification/forms.hpp>
@@ -163,10 +165,20 @@ struct NoiseBasis {
   bool is_stated = false;  ///< in the case
 };
 
+/// The part of the measured force of a record that the named model and the sensors' noise leave.
+struct ForceRemainder {
+  double time_step = 0;                      ///< [s]
+  std::array<std::vector<double>, 2> force;  ///< long, lat [N]; empty: not measured
+};
+
 /// The simulation with the named causes.
 struct ImprovedModel {
   std::string fragment;  ///< TOML of the improved model, for experiments
   CaseSource source;     ///< the improved case, and experiment; empty: none
+  /// Fragments whose specimen has the parameters one standard deviation away, in both senses along
+  /// each of their independent directions: two for each.
+  std::vector<std::string> deviations;
+  ForceRemainder remainder;  ///< of the first record
 };
 
 /// All results of a diagnosis.
@@ -184,6 +196,7 @@ struct Verdict {
   std::vector<std::string> limits;  ///< missing channels, source of the noise, unvisited states
   ImprovedModel improvement;
   budget::MismatchBudget budget;  ///< of the response of a run; empty: none
+  budget::ResponseBands bands;    ///< of the improved simulation of a run; empty: none
   bool synthetic = false;         ///< the recordings come from models, not from a laboratory
   double seconds = 0;             ///< run time
 };

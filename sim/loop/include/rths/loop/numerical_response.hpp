@@ -26,12 +26,16 @@ struct ResponseHistory {
   void append_floors(const sim::PlantAnalysis& analysis);
 };
 
+/// A force beside that of one bearing, by step: long, lat [N]. None after its end.
+using AddedForce = std::vector<Eigen::Vector2d>;
+
 /// The complete analysis with a bearing model instead of a specimen: the purely numerical result.
 /// @param bearing  under its static load plus the vertical motion's contribution
-/// @param duration  [s]   @setup
+/// @param duration  [s]
+/// @param added  acts with the force of the bearing, which the history then contains, too   @setup
 [[nodiscard]] ResponseHistory numerical_response(const sim::PlantMatrices& plant,
                                                  const sim::GroundMotion& motion,
                                                  const sim::Bearing& bearing, double time_step,
-                                                 double duration);
+                                                 double duration, const AddedForce& added = {});
 
 }  // namespace rths::loop
