@@ -106,12 +106,12 @@ bool has_quiet_look(int live) {
 }
 
 // The host may be busy with other work, which would keep the looks waiting: they get the priority
-// of others.
+// of this test.
 void hasten_children_of(int process) {
   const sched_param none{};
   for (const int child : test::children_of(process)) {
     sched_setscheduler(child, SCHED_OTHER, &none);
-    setpriority(PRIO_PROCESS, static_cast<id_t>(child), 0);
+    setpriority(PRIO_PROCESS, static_cast<id_t>(child), getpriority(PRIO_PROCESS, 0));
     hasten_children_of(child);
   }
 }
