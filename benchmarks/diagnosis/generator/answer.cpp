@@ -17,9 +17,13 @@ void add_parameter(Json& json, Parameter parameter, double value) {
 
 void add_place(Json& json, std::string_view key, const Place& place) {
   json.open(key);
-  json.add("time_cells", place.time);
-  json.add("frequency_cells", place.frequency);
-  json.add("state_cells", place.state);
+  const auto add = [&](const std::string& name, const PlacedEnergy& energy) {
+    json.add(name + "_cells", energy.cells);
+    json.add(name + "_share", energy.share);
+  };
+  add("time", place.time);
+  add("frequency", place.frequency);
+  add("state", place.state);
   json.close();
 }
 

@@ -5,11 +5,12 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace trial {
 namespace {
 
-std::vector<std::size_t> holding_most(const std::vector<double>& energy) {
+PlacedEnergy placed(std::vector<double> energy) {
   constexpr double kShare = 0.8;
   std::vector<std::size_t> order(energy.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -24,7 +25,8 @@ std::vector<std::size_t> holding_most(const std::vector<double>& energy) {
     cells.push_back(cell);
   }
   std::sort(cells.begin(), cells.end());
-  return cells;
+  for (double& one : energy) one /= whole > 0 ? whole : 1;
+  return {std::move(cells), std::move(energy)};
 }
 
 std::size_t cell_of(double value, double range) {
@@ -72,8 +74,8 @@ Place place_of(const Signal& signal, const Record& record) {
       state[cell_of(now.displacement[axis], kStateDisplacement) * kStateCells +
             cell_of(now.velocity[axis], kStateVelocity)] += energy;
     }
-  return {holding_most(time), holding_most(energy_in_frequency(signal, samples)),
-          holding_most(state)};
+  return {placed(std::move(time)), placed(energy_in_frequency(signal, samples)),
+          placed(std::move(state))};
 }
 
 }  // namespace trial

@@ -17,10 +17,17 @@ inline constexpr double kStateVelocity = 0.8;      ///< [m/s]
 /// Edges of the third octaves; the first one begins at zero [Hz].
 std::vector<double> third_octaves();
 
-/// Smallest sets of cells that hold 80 % of a signal's energy, in ascending order.
+/// Smallest set of cells that holds 80 % of a signal's energy, in ascending order, and the share of
+/// the energy in every cell.
+struct PlacedEnergy {
+  std::vector<std::size_t> cells;
+  std::vector<double> share;
+};
+
+/// Energy of a signal over the cells of time, frequency and state. A cell of state is the
+/// displacement cell times kStateCells plus the velocity cell.
 struct Place {
-  std::vector<std::size_t> time, frequency;
-  std::vector<std::size_t> state;  ///< displacement cell times kStateCells plus velocity cell
+  PlacedEnergy time, frequency, state;
 };
 
 /// @param signal  longitudinal axis, then lateral axis, at kCompareRate

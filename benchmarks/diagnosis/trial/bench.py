@@ -25,18 +25,19 @@ except ImportError:
 
 import laboratory  # noqa: E402
 import peers  # noqa: E402
-from families import FAMILIES, name_of  # noqa: E402
+from families import CASES_A_TURN, FAMILIES, name_of  # noqa: E402
 from judge import judge  # noqa: E402
 from results import by_family_and_tier, is_right, text_of  # noqa: E402
+from sentences import faults_of, units_of  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
-USUAL_CASES = 400
+USUAL_CASES = 500
 MAKING_LIMIT_S = 900
 
 
 def read_options():
     parser = argparse.ArgumentParser(prog="rths bench diagnosis", description=__doc__.split("\n")[0])
-    parser.add_argument("--cases", type=int, default=USUAL_CASES, help="in all families together (400)")
+    parser.add_argument("--cases", type=int, default=USUAL_CASES, help="in all families together (500)")
     parser.add_argument("--family", action="append", choices=list(FAMILIES), help="only this one; repeatable")
     parser.add_argument("--seed", type=int, help="default: from the commit")
     parser.add_argument("--json", type=pathlib.Path, help="writes results to this file")
@@ -83,10 +84,16 @@ def records_of(options):
 
 
 def planned(options):
-    """(family, number) of each case: the families take turns."""
+    """(family, number) of each case: the families take turns, some with several cases a turn."""
     if not options.family:
         sys.exit("no family is left, expected one with data")
-    return [(options.family[k % len(options.family)], k // len(options.family)) for k in range(options.cases)]
+    turn = [family for family in options.family for _ in range(CASES_A_TURN.get(family, 1))]
+    counts, plan = dict.fromkeys(turn, 0), []
+    for k in range(options.cases):
+        family = turn[k % len(turn)]
+        plan.append((family, counts[family]))
+        counts[family] += 1
+    return plan
 
 
 def keep_makers(options):
@@ -173,6 +180,7 @@ def diagnose(options, sealed):
     def keep(case, result):
         answer = answers[case.name]
         row = judge(result["verdict"], answer, of_controls.get(answer.get("control"))) | {key: result[key] for key in ("cpu_s", "wall_s", "status")}
+        row["faults"] = faults_of(result["verdict"], units_of(options.out / "verdicts" / case.name))
         rows.append(row)
         print_case(row)
 

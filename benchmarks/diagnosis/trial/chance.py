@@ -3,15 +3,16 @@
 import math
 
 Z95 = 1.959963984540054  # two-sided 95 % of a normal distribution
+Z90 = 1.6448536269514722
 
 
-def wilson(right, of):
-    """95 % interval of a proportion (Wilson 1927)."""
+def wilson(right, of, z=Z95):
+    """Interval of a proportion (Wilson 1927), of 95 % or another quantile of the normal distribution."""
     if of == 0:
         return 0.0, 1.0
-    share, square = right / of, Z95 * Z95
+    share, square = right / of, z * z
     middle = (share + square / (2 * of)) / (1 + square / of)
-    half = Z95 / (1 + square / of) * math.sqrt(share * (1 - share) / of + square / (4 * of * of))
+    half = z / (1 + square / of) * math.sqrt(share * (1 - share) / of + square / (4 * of * of))
     return max(0.0, middle - half), min(1.0, middle + half)
 
 

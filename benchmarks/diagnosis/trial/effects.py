@@ -13,6 +13,7 @@ from motion import presliding, relaxed
 from signals import delayed, lagged
 
 LIBRARY, OUTSIDE = "library", "outside"
+LEAST_LIMIT = 0.4  # of the largest force: a sensor that saturates below it is no sensor
 EITHER_SIGN = True
 
 
@@ -232,7 +233,7 @@ def draw(effect, motion, rng, size):
             value = size * value
         values[parameter.name] = value + parameter.absent
     if effect.name == "force_saturation":
-        values["limit"] = motion.scale("F") * (1 - size * (1 - values["limit"] / motion.scale("F")))
+        values["limit"] = motion.scale("F") * max(LEAST_LIMIT, 1 - size * (1 - values["limit"] / motion.scale("F")))
     return values
 
 

@@ -41,8 +41,20 @@ def _systems(rng, number, seed, folder, sources):
     return {"tier": slot.tier, "kind": slot.kind} | systems.make(rng, slot, folder, sources, kind)
 
 
-MAKERS = {"own": _own, "opensees": _opensees, "recordings": _recordings, "laboratory": _laboratory, "systems": _systems}
+def _rows(rng, number, seed, folder, sources):
+    import rows
+    return rows.make(rng, number, folder, sources)
+
+
+def _outside(rng, number, seed, folder, sources):
+    import outside
+    return outside.make(rng, number, folder, sources)
+
+
+MAKERS = {"own": _own, "opensees": _opensees, "recordings": _recordings, "laboratory": _laboratory, "systems": _systems,
+          "rows": _rows, "outside": _outside}
 FAMILIES = tuple(MAKERS)
+CASES_A_TURN = {"systems": 2, "rows": 5}  # of a family whose cases take little time; others have one
 
 
 def name_of(family, number):

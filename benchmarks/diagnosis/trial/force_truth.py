@@ -34,14 +34,15 @@ class ForceTruth:
     @param draws      noise of the force, with that which the noise of the motion causes, or the whitener of a record
     @param nuisances  derivatives of the force by the parameters that a fit may move
     @param hysteresis the part of the force that has memory, or None
+    @param rivals     effects that may be taken for one; None: all that the motion can show
     """
 
-    def __init__(self, motion, draws, nuisances, hysteresis):
+    def __init__(self, motion, draws, nuisances, hysteresis, rivals=None):
         self.motion = motion
         self.whiten, self.step = whitener_of(draws, motion.step)
         constant = [np.ones_like(motion.u) * (np.arange(motion.axes) == axis) for axis in range(motion.axes)]
         self.nuisances = [self._seen(column) for column in (*nuisances, *constant)]
-        self.effects = {effect.name: effect for effect in usable(motion) if effect.in_library}
+        self.effects = {effect.name: effect for effect in (usable(motion) if rivals is None else rivals) if effect.in_library}
         self.rivals = {effect.name: [[self._seen(column) for column in columns]
                                      for columns in columns_of(effect, motion, motion.force)]
                        for effect in self.effects.values()}

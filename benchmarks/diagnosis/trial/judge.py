@@ -8,6 +8,7 @@ recording without the effect, is of the recording; the score beside it leaves th
 """
 import places
 import sizes
+from confidence import features_of
 from names import canonical, is_form
 
 NO_VERDICT = {"verdict": "failed", "where": {}, "causes": [], "fit": {}}
@@ -124,8 +125,12 @@ def _place_rows(verdict, answer, effect):
     where = dict(verdict["where"])
     if where.get("record", FIT_RECORD).split(".")[0] != FIT_RECORD:
         where["intervals_s"] = []  # times of another record do not compare
+    if where.get("intervals_rows"):  # a row of the answer counts as a second
+        where["intervals_s"] = [[first - 1, last] for first, last in where["intervals_rows"]]
     truth = effect["truth"]
-    return {"iou": places.compare(where, truth["place_after_nuisances"], answer["cells"]),
+    rest, cells = truth["place_after_nuisances"], answer["cells"]
+    return {"iou": places.compare(where, rest, cells),
+            "iou_energy": places.compare(where, rest, cells, True) if "time_share" in rest else None,
             "iou_effect": places.compare(where, truth["place"], answer["cells"])}
 
 
@@ -153,6 +158,14 @@ def _effect_row(verdict, answer, effect):
     if cause is not None and _is_right(cause, [effect]) and canonical(cause["name"]) != effect.get("term_that_describes_it"):
         row["sizes"] = sizes.compare(effect, answer, cause)
     return row
+
+
+def names_of(verdict, effects):
+    """Each name with its confidence, what speaks for it, and whether it is right."""
+    relation = {name: one for one in verdict.get("relations", []) for name in one["causes"]}
+    return [{"name": cause["name"], "confidence": cause["confidence"], "right": _is_right(cause, effects),
+             "features": features_of(cause, relation.get(cause["name"]))}
+            for cause in verdict["causes"] if cause.get("confidence") is not None]
 
 
 def naming(verdict, answer):
@@ -190,7 +203,7 @@ def _beside_rows(verdict, answer, control):
     kept = {id(cause) for cause in left["causes"]}
     return {"of_recording": [cause["name"] for cause in verdict["causes"] if id(cause) not in kept],
             "right_first_beside": is_right_first(named, effects), "all_named_beside": are_all_named(named, effects),
-            "spurious_beside": spurious_names(left, effects)}
+            "spurious_beside": spurious_names(left, effects), "named": names_of({**verdict, "causes": left["causes"]}, effects)}
 
 
 def judge(verdict, answer, control=None):
@@ -213,7 +226,7 @@ def judge(verdict, answer, control=None):
         "has_wrong_rule": has_wrong_rule(answer), "rules": rules,
         "part": verdict["where"].get("part"), "channel": verdict["where"].get("channel"),
         "forms": [d["form"] for d in verdict.get("descriptions", [])],
-        "spurious": spurious_names(verdict, effects),
+        "spurious": spurious_names(verdict, effects), "named": names_of(verdict, effects), "confidence": verdict.get("confidence"),
         "tool_s": verdict.get("seconds"),
     }
     if effects:

@@ -61,23 +61,30 @@ def state_cells(rectangles, cells):
     return {cell for cell, points in held.items() if points >= COVERED * FINE * FINE}
 
 
-def overlap(said, truth):
-    """Intersection over union of two sets of cells; None if both are empty."""
+def overlap(said, truth, share=None):
+    """Intersection over union of two sets of cells; None if both are empty.
+
+    @param share  energy of each cell, by which it counts; None: all count alike
+    """
     union = set(said) | set(truth)
+    if share is not None:
+        def weight(cells):
+            return sum(share[cell] for cell in cells if cell < len(share))
+        whole = weight(union)
+        return weight(set(said) & set(truth)) / whole if whole else None
     return len(set(said) & set(truth)) / len(union) if union else None
 
 
-def compare(where, place, cells):
+def compare(where, place, cells, by_energy=False):
     """{"time", "frequency", "state"}: intersections over unions.
 
-    @param where  of the verdict
-    @param place  of the answer
+    @param where      of the verdict
+    @param place      of the answer
+    @param by_energy  every cell counts with its energy
     """
-    return {
-        "time": overlap(time_cells(where.get("intervals_s", []), cells["time_s"]),
-                        place["time_cells"]),
-        "frequency": overlap(frequency_cells(where.get("band_Hz", []), cells["frequency_edges_Hz"]),
-                             place["frequency_cells"]),
-        "state": (None if place["state_cells"] is None
-                  else overlap(state_cells(where.get("state", []), cells), place["state_cells"])),
-    }
+    is_in_time = not where.get("intervals_rows")  # rows without time have no band and no state
+    said = {"time": time_cells(where.get("intervals_s", []), cells["time_s"]),
+            "frequency": frequency_cells(where.get("band_Hz", []), cells["frequency_edges_Hz"]) if is_in_time else None,
+            "state": state_cells(where.get("state", []), cells) if is_in_time and place["state_cells"] is not None else None}
+    return {axis: None if own is None else overlap(own, place[f"{axis}_cells"], place[f"{axis}_share"] if by_energy else None)
+            for axis, own in said.items()}

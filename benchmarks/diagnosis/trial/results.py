@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Counts of scored cases, as the result file and the page state them."""
-from chance import median, quantile, wilson
+from chance import Z90, median, quantile, wilson
+
+BINS = (0.0, 0.5, 0.8, 0.95, 1.0)  # of the stated confidence
 
 
 def rate(rows, is_hit):
@@ -8,6 +10,30 @@ def rate(rows, is_hit):
     hits, of = sum(1 for row in rows if is_hit(row)), len(rows)
     low, high = wilson(hits, of)
     return {"hits": hits, "of": of, "rate": hits / of if of else None, "wilson95": [low, high] if of else None}
+
+
+def reliability(named):
+    """For each bin of stated confidence: its mean, the share of names that are right, and whether that is within 90 %.
+
+    @param named  names with confidence and whether they are right
+    """
+    table = []
+    for low, high in zip(BINS, BINS[1:]):
+        own = [one for one in named if low <= one["confidence"] < high or one["confidence"] == high == 1]
+        right, of = sum(one["right"] for one in own), len(own)
+        interval, mean = wilson(right, of, Z90), sum(one["confidence"] for one in own) / of if of else None
+        table.append({"from": low, "to": high, "names": of, "stated": mean, "right": right, "share": right / of if of else None,
+                      "wilson90": list(interval) if of else None, "holds": interval[0] <= mean <= interval[1] if of else None})
+    return table
+
+
+def _verdicts(rows, outcome):
+    """Of the verdicts of this outcome: mean of their confidence, and how many are right."""
+    own = [row for row in rows if row["outcome"] == outcome and not row["names"]]
+    is_there = [row["kind"] != "none" and row["detectable"] for row in own]
+    stated = [row["confidence"] for row in own if row.get("confidence") is not None]
+    return {"stated": sum(stated) / len(stated) if stated else None} | rate(
+        list(zip(own, is_there)), lambda one: one[1] == (outcome == "unknown"))
 
 
 def _median(values):
@@ -62,7 +88,12 @@ def summary(rows):
         "after_over_floor_90": quantile(over_floor, 0.9) if over_floor else None,
         "iou": {axis: _median([row["iou"][axis] for row in seen if row.get("iou")])
                 for axis in ("time", "frequency", "state")},
+        "iou_energy": {axis: _median([row["iou_energy"][axis] for row in seen if row.get("iou_energy")])
+                       for axis in ("time", "frequency", "state")},
         "seconds_median": _median([row.get("cpu_s") for row in rows]),
+        "reliability": reliability([one for row in rows for one in row.get("named", [])]),
+        "none_right": _verdicts(rows, "none"), "unknown_right": _verdicts(rows, "unknown"),
+        "faulty_verdicts": rate(rows, lambda row: bool(row.get("faults"))),
     }
 
 
@@ -85,6 +116,10 @@ def _number(value, digits=2):
     return "–" if value is None else f"{value:.{digits}f}"
 
 
+def _bin(own):
+    return "–" if not own["names"] else f"{own['right']}/{own['names']} ({own['stated']:.2f}{'' if own['holds'] else '!'})"
+
+
 def text_of(whole):
     """Table for a terminal: a line for each quantity, a column for each family."""
     names = list(whole)
@@ -104,5 +139,9 @@ def text_of(whole):
     line("after over floor", [_number(s["after_over_floor_median"]) for s in all_of])
     for axis in ("time", "frequency", "state"):
         line(f"overlap, {axis}", [_number(s["iou"][axis]) for s in all_of])
+        line("  by energy", [_number(s["iou_energy"][axis]) for s in all_of])
+    for k, (low, high) in enumerate(zip(BINS, BINS[1:])):
+        line(f"right, {low:g} to {high:g}", [_bin(s["reliability"][k]) for s in all_of])
+    line("faulty verdicts", [f"{s['faulty_verdicts']['hits']} of {s['faulty_verdicts']['of']}" for s in all_of])
     line("seconds", [_number(s["seconds_median"], 1) for s in all_of])
     return "\n".join(lines)

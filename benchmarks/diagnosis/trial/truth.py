@@ -80,6 +80,12 @@ def _most(energy):
     return sorted(int(cell) for cell in order[:count])
 
 
+def _shares(energy):
+    """Share of the energy in each cell."""
+    whole = energy.sum()
+    return [float(f"{share:.4g}") for share in (energy / whole if whole > 0 else energy)]
+
+
 def place_of(signal, cells, state=None):
     """Cells that hold most of a whitened signal's energy.
 
@@ -94,11 +100,13 @@ def place_of(signal, cells, state=None):
     edges = cells["frequency_edges_Hz"]
     band = np.searchsorted(edges, frequencies, side="right") - 1
     in_frequency = np.bincount(band, spectrum, len(edges))[:len(edges) - 1]
-    place = {"time_cells": _most(in_time), "frequency_cells": _most(in_frequency), "state_cells": None}
+    place = {"time_cells": _most(in_time), "frequency_cells": _most(in_frequency), "state_cells": None,
+             "time_share": _shares(in_time), "frequency_share": _shares(in_frequency), "state_share": None}
     if state.get("u") is not None:
         index = (_cell(state["u"], cells["state_displacement_m"]) * STATE_CELLS
                  + _cell(state["v"], cells["state_velocity_m_per_s"]))
-        place["state_cells"] = _most(np.bincount(index.ravel(), energy.ravel(), STATE_CELLS**2))
+        in_state = np.bincount(index.ravel(), energy.ravel(), STATE_CELLS**2)
+        place["state_cells"], place["state_share"] = _most(in_state), _shares(in_state)
     return place
 
 

@@ -31,5 +31,11 @@ class KeepMakers(unittest.TestCase):
             self.keep("laboratory")
 
 
+class Plan(unittest.TestCase):
+    def test_families_of_little_time_have_several_cases_a_turn(self):
+        plan = bench.planned(argparse.Namespace(family=["own", "systems"], cases=7))
+        self.assertEqual(plan, [("own", 0), ("systems", 0), ("systems", 1), ("own", 1), ("systems", 2), ("systems", 3), ("own", 2)])
+
+
 if __name__ == "__main__":
     unittest.main()

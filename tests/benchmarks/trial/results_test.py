@@ -54,7 +54,15 @@ class Counts(unittest.TestCase):
             "cases", "finished", "detectable", "named_first", "named_beside", "right_in_tie", "pairs_both", "pairs_beside",
             "spurious_per_case", "spurious_beside_per_case", "none_cases",
             "false_alarms", "outside_abstained", "form_right", "parameter_error_median", "coverage95",
-            "after_over_floor_median", "after_over_floor_90", "iou", "seconds_median"})
+            "after_over_floor_median", "after_over_floor_90", "iou", "iou_energy", "seconds_median", "reliability", "none_right", "unknown_right",
+            "faulty_verdicts"})
+
+    def test_a_bin_of_confidence_holds_if_its_mean_is_within_the_interval_of_the_right_share(self):
+        named = [{"confidence": 0.97, "right": k < 48} for k in range(50)] + [{"confidence": 0.9, "right": k < 5} for k in range(20)]
+        low, middle, high, top = results.reliability(named)
+        self.assertEqual((low["names"], middle["holds"]), (0, None))
+        self.assertEqual((high["right"], high["names"], high["holds"]), (5, 20, False))
+        self.assertEqual((top["right"], top["names"], top["holds"]), (48, 50, True))
 
     def test_families_and_tiers_add_up(self):
         whole = results.by_family_and_tier(self.rows)
