@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 
@@ -29,9 +31,10 @@ constexpr const char* kMessages = "messages.txt";
 constexpr std::streamoff kMostShown = 600;  // of the messages of a program [B]
 constexpr int kLookMilliseconds = 100;      // between looks for an interrupt
 
-// In the child, between fork and exec: only calls that a signal handler may make.
-[[noreturn]] void become(char* const* arguments, const char* folder, int messages) {
-  constexpr int kNotStarted = 127;
+constexpr int kNotStarted = 127, kThrew = 126;
+
+// In the child: what a run may do. Only calls that a signal handler may make.
+void confine(const char* folder, int messages) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number : kEndingSignals) std::signal(number, SIG_DFL);
@@ -41,27 +44,45 @@ constexpr int kLookMilliseconds = 100;      // between looks for an interrupt
   if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(messages, STDOUT_FILENO) < 0 ||
       dup2(messages, STDERR_FILENO) < 0 || chdir(folder) != 0)
     _exit(kNotStarted);
+}
+
+// In the child, between fork and exec: only calls that a signal handler may make.
+[[noreturn]] void become(char* const* arguments) {
   execv(arguments[0], arguments);
   const char* reason = std::strerror(errno);
   static_cast<void>(!write(STDERR_FILENO, reason, std::strlen(reason)));
   _exit(kNotStarted);
 }
 
+[[noreturn]] void work_and_exit(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    // Its text takes the place of all other messages.
+    static_cast<void>(!ftruncate(STDERR_FILENO, 0));
+    lseek(STDERR_FILENO, 0, SEEK_SET);
+    static_cast<void>(!write(STDERR_FILENO, error.what(), std::strlen(error.what())));
+    _exit(kThrew);
+  }
+  _exit(0);
+}
+
 /// A process and those that it starts. None is left when this object ends.
 class ProcessGroup {
  public:
-  ProcessGroup(const std::vector<std::string>& command, const std::filesystem::path& folder)
+  /// @param main  of the process; does not return
+  ProcessGroup(const std::function<void()>& main, const std::filesystem::path& folder)
       : folder_{folder.string()} {
     const std::string file = (folder / kMessages).string();
     const int messages = open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
     if (messages < 0) throw Error{file + ": cannot be written"};
-    std::vector<char*> arguments;
-    for (const auto& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
-    arguments.push_back(nullptr);
     pid_ = fork();
-    if (pid_ == 0) become(arguments.data(), folder_.c_str(), messages);
+    if (pid_ == 0) {
+      confine(folder_.c_str(), messages);
+      main();
+    }
     close(messages);
-    if (pid_ < 0) throw Error{command[0] + ": there is no process for it"};
+    if (pid_ < 0) throw Error{"there is no process for a run"};
     setpgid(pid_, pid_);  // here, too: before the first look at it
     watch_ = static_cast<int>(syscall(SYS_pidfd_open, pid_, 0));
   }
@@ -116,13 +137,11 @@ std::string trouble_of(int status) {
                                   : fmt::format("ended with exit code {}", WEXITSTATUS(status));
 }
 
-}  // namespace
-
-ChildEnding run_child(const std::vector<std::string>& command, const std::filesystem::path& folder,
-                      double deadline) {
+ChildEnding watch(const std::function<void()>& main, const std::filesystem::path& folder,
+                  double deadline) {
   const WallClock clock;
   const TimePoint begin = clock.now();
-  ProcessGroup group{command, folder};
+  ProcessGroup group{main, folder};
   bool is_late = false;
   while (!is_late) {
     const double left = deadline - to_seconds(clock.now() - begin);
@@ -132,9 +151,54 @@ ChildEnding run_child(const std::vector<std::string>& command, const std::filesy
     is_late = to_seconds(clock.now() - begin) >= deadline;
   }
   const int status = group.end();
+  std::string messages = end_of(folder / kMessages);
+  if (!is_late && WIFEXITED(status) && WEXITSTATUS(status) == kThrew) return {messages, ""};
   return {is_late ? fmt::format("did not end within {:g} s (deadline_s)", deadline)
                   : trouble_of(status),
-          end_of(folder / kMessages)};
+          std::move(messages)};
+}
+
+}  // namespace
+
+ChildEnding run_child(const std::vector<std::string>& command, const std::filesystem::path& folder,
+                      double deadline) {
+  std::vector<char*> arguments;
+  for (const auto& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.push_back(nullptr);
+  return watch([&] { become(arguments.data()); }, folder, deadline);
+}
+
+ChildEnding run_forked(const std::function<void()>& work, const std::filesystem::path& folder,
+                       double deadline) {
+  return watch([&] { work_and_exit(work); }, folder, deadline);
+}
+
+SharedNumbers::SharedNumbers(std::size_t count)
+    : bytes_{std::max<std::size_t>(1, count) * sizeof(double)} {
+  void* const memory =
+      mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  if (memory == MAP_FAILED) throw Error{"there is no memory for the results of a run"};
+  data_ = static_cast<double*>(memory);
+}
+
+SharedNumbers::~SharedNumbers() { munmap(data_, bytes_); }
+
+TemporaryRun::TemporaryRun() {
+  std::string name = (temporary_folder() / "rths_run_XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw Error{name + ": the folder cannot be made"};
+  path_ = name;
+}
+
+TemporaryRun::~TemporaryRun() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
+void TemporaryRun::write(const std::string& name, const std::string& text) const {
+  std::ofstream file{path_ / name, std::ios::binary};
+  file << text;
+  file.close();
+  if (!file) throw Error{(path_ / name).string() + ": cannot be written"};
 }
 
 }  // namespace rths::foreign

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,43 @@ struct ChildEnding {
 /// @throws Error if there is no process for it; Interrupted   @any_thread
 [[nodiscard]] ChildEnding run_child(const std::vector<std::string>& command,
                                     const std::filesystem::path& folder, double deadline);
+
+/// Runs a function in a fork of this process, in the same way. What the function throws is the
+/// trouble. It shares no memory with this process, except what is mapped as shared.
+[[nodiscard]] ChildEnding run_forked(const std::function<void()>& work,
+                                     const std::filesystem::path& folder, double deadline);
+
+/// Numbers that a fork of this process may write for it.
+class SharedNumbers {
+ public:
+  /// @throws Error if there is no memory
+  explicit SharedNumbers(std::size_t count);
+  ~SharedNumbers();
+  SharedNumbers(const SharedNumbers&) = delete;
+  SharedNumbers& operator=(const SharedNumbers&) = delete;
+
+  [[nodiscard]] double* data() const { return data_; }
+
+ private:
+  double* data_;
+  std::size_t bytes_;
+};
+
+/// A temporary folder for one run, removed at its end.
+class TemporaryRun {
+ public:
+  /// @throws Error if it cannot be made
+  TemporaryRun();
+  ~TemporaryRun();
+  TemporaryRun(const TemporaryRun&) = delete;
+  TemporaryRun& operator=(const TemporaryRun&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  /// @throws Error if it cannot be written
+  void write(const std::string& name, const std::string& text) const;
+
+ private:
+  std::filesystem::path path_;
+};
 
 }  // namespace rths::foreign

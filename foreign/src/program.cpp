@@ -25,33 +25,7 @@ namespace fs = std::filesystem;
 constexpr const char* kInputs = "inputs.csv";
 constexpr const char* kOutputs = "outputs.csv";
 constexpr const char* kParameters = "parameters.toml";
-
-/// A folder for one run.
-class TemporaryRun {
- public:
-  TemporaryRun() {
-    std::string name = (temporary_folder() / "rths_run_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw Error{name + ": the folder cannot be made"};
-    path_ = name;
-  }
-  ~TemporaryRun() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryRun(const TemporaryRun&) = delete;
-  TemporaryRun& operator=(const TemporaryRun&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-  void write(const char* name, const std::string& text) const {
-    std::ofstream file{path_ / name, std::ios::binary};
-    file << text;
-    file.close();
-    if (!file) throw Error{(path_ / name).string() + ": cannot be written"};
-  }
-
- private:
-  fs::path path_;
-};
+constexpr const char* kMotion = "motion.txt";
 
 std::string program_of(const std::string& name, const fs::path& folder) {
   if (name.find('/') == std::string::npos) {
@@ -87,18 +61,24 @@ class ProgramSimulation final : public Simulation {
       parameters +=
           fmt::format("\"{}\" = {:.16e}\n", settings_.parameters[i], inputs.parameters[i]);
     folder.write(kParameters, parameters);
+    if (settings_.has_motion) write_motion(inputs, folder);
+    for (const auto& file : settings_.files)
+      fs::copy(file, folder.path() / file.filename(), fs::copy_options::recursive);
     const ChildEnding ending =
         run_child(command_for(inputs, folder.path()), folder.path(), settings_.deadline);
     if (!ending.trouble.empty()) return {{}, with_messages(ending.trouble, ending)};
     try {
+      if (!settings_.recorded.empty())
+        return {read_recorders(folder.path(), settings_.recorded, inputs), ""};
       return {read_outputs(folder.path() / kOutputs, settings_.outputs, inputs), ""};
     } catch (const Error& error) {
       std::error_code ignored;
-      return {{},
-              with_messages(fs::exists(folder.path() / kOutputs, ignored)
-                                ? error.what()
-                                : std::string{"wrote no "} + kOutputs,
-                            ending)};
+      return {
+          {},
+          with_messages(!settings_.recorded.empty() || fs::exists(folder.path() / kOutputs, ignored)
+                            ? error.what()
+                            : std::string{"wrote no "} + kOutputs,
+                        ending)};
     }
   }
 
@@ -107,6 +87,19 @@ class ProgramSimulation final : public Simulation {
                                           const ChildEnding& ending) const {
     return fmt::format("{}: {}{}{}", settings_.command[0], trouble,
                        ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
+  }
+
+  // The inputs as a script of OpenSees reads them: together, and each alone.
+  void write_motion(const RunInputs& inputs, const TemporaryRun& folder) const {
+    std::string rows;
+    for (std::size_t row = 0; row < inputs.rows; ++row) {
+      rows += fmt::format("{}", static_cast<double>(row) * inputs.time_step);
+      for (const auto& input : inputs.inputs) rows += fmt::format(" {}", input[row]);
+      rows += '\n';
+    }
+    folder.write(kMotion, rows);
+    for (std::size_t i = 0; i < settings_.inputs.size(); ++i)
+      folder.write(settings_.inputs[i], fmt::format("{}\n", fmt::join(inputs.inputs[i], "\n")));
   }
 
   // Braces around anything but letters, digits, '_', '.' and '-' are text, as in JSON.
@@ -128,6 +121,10 @@ class ProgramSimulation final : public Simulation {
   void check_placeholders(const std::string& argument) const {
     std::vector<std::string> known{"inputs", "outputs", "parameters"};
     known.insert(known.end(), settings_.parameters.begin(), settings_.parameters.end());
+    if (settings_.has_motion) {
+      known.insert(known.end(), {"motion", "step_s", "duration_s", "results"});
+      known.insert(known.end(), settings_.inputs.begin(), settings_.inputs.end());
+    }
     for (const auto& name : placeholders_in(argument))
       if (!contains(known, name))
         throw Error{fmt::format("unknown placeholder '{{{}}}', expected one of {}", name,
@@ -139,6 +136,13 @@ class ProgramSimulation final : public Simulation {
     if (name == "inputs") return (folder / kInputs).string();
     if (name == "outputs") return (folder / kOutputs).string();
     if (name == "parameters") return (folder / kParameters).string();
+    if (settings_.has_motion) {
+      if (name == "step_s") return fmt::format("{}", inputs.time_step);
+      if (name == "duration_s")
+        return fmt::format("{}", static_cast<double>(inputs.rows - 1) * inputs.time_step);
+      if (name == "motion") return (folder / kMotion).string();
+      if (name == "results" || contains(settings_.inputs, name)) return (folder / name).string();
+    }
     const auto at = std::find(settings_.parameters.begin(), settings_.parameters.end(), name);
     return fmt::format(
         "{}", inputs.parameters[static_cast<std::size_t>(at - settings_.parameters.begin())]);

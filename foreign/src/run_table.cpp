@@ -105,7 +105,75 @@ bool are_times_of(const RunInputs& inputs, const std::vector<double>& times) {
   return true;
 }
 
+/// Rows of a recorder: time, then responses.
+struct RecorderTable {
+  std::string file;
+  std::vector<double> times;
+  std::vector<std::vector<double>> responses;  ///< by column
+};
+
+std::vector<double> numbers_of(std::string_view line, const std::string& file, std::size_t number) {
+  std::vector<double> row;
+  for (const auto cell : cells_of(line, ' ')) {
+    if (cell.empty()) continue;
+    const auto value = number_of(cell);
+    if (!value || !std::isfinite(*value))
+      throw Error{fmt::format("{}:{}: found '{}', expected a finite number", file, number, cell)};
+    row.push_back(*value);
+  }
+  return row;
+}
+
+RecorderTable read_recorder(const std::filesystem::path& path) {
+  RecorderTable table{path.filename().string(), {}, {}};
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) throw Error{fmt::format("wrote no {}", table.file)};
+  const std::string text = read_text(path);
+  std::size_t number = 0;
+  for (const auto line : lines_of(text)) {
+    const auto row = numbers_of(line, table.file, ++number);
+    if (row.empty()) continue;
+    if (!table.times.empty() && row.size() != table.responses.size() + 1)
+      throw Error{fmt::format("{}:{}: the row has {} numbers, expected {}", table.file, number,
+                              row.size(), table.responses.size() + 1)};
+    if (!table.times.empty() && row[0] <= table.times.back()) table = {table.file, {}, {}};
+    table.responses.resize(row.size() - 1);
+    table.times.push_back(row[0]);
+    for (std::size_t i = 1; i < row.size(); ++i) table.responses[i - 1].push_back(row[i]);
+  }
+  if (table.times.size() < 2)
+    throw Error{table.file + " has less than two rows, expected time and responses"};
+  return table;
+}
+
+// Begins a table at time 0, and counts its times from the first row of the inputs.
+void begin_with(const RunInputs& inputs, RecorderTable& table) {
+  const double step = std::max(table.times[1] - table.times[0], inputs.time_step);
+  if (table.times[0] > 0 && table.times[0] < 1.5 * step) {
+    table.times.insert(table.times.begin(), 0);
+    for (auto& response : table.responses) response.insert(response.begin(), response[0]);
+  }
+  for (double& time : table.times) time += inputs.start;
+}
+
 }  // namespace
+
+std::vector<std::vector<double>> read_recorders(const std::filesystem::path& folder,
+                                                const std::vector<RecorderColumn>& columns,
+                                                const RunInputs& inputs) {
+  std::vector<std::vector<double>> outputs;
+  for (const auto& [file, column, factor] : columns) {
+    RecorderTable table = read_recorder(folder / file);
+    if (column > table.responses.size())
+      throw Error{fmt::format("{} has {} columns beside time, expected at least {}", table.file,
+                              table.responses.size(), column)};
+    begin_with(inputs, table);
+    check_times(table.times, inputs, table.file);
+    outputs.push_back(at_times_of(inputs, table.times, table.responses[column - 1]));
+    for (double& value : outputs.back()) value *= factor;
+  }
+  return outputs;
+}
 
 std::string table_of_inputs(const RunInputs& inputs, const std::vector<std::string>& names) {
   std::string text = kTime;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <rths/foreign/simulation.hpp>
+#include <rths/foreign/program.hpp>
 
 namespace rths::foreign {
 
@@ -19,5 +19,13 @@ namespace rths::foreign {
 [[nodiscard]] std::vector<std::vector<double>> read_outputs(const std::filesystem::path& file,
                                                             const std::vector<std::string>& names,
                                                             const RunInputs& inputs);
+
+/// Reads files of recorders, at the times of the inputs, of which the first is their time 0. What
+/// was recorded before the time last fell, as in a static analysis, is ignored. A recorder begins
+/// after the first step: the values there are those of its first row.
+/// @throws Error as `read_outputs`
+[[nodiscard]] std::vector<std::vector<double>> read_recorders(
+    const std::filesystem::path& folder, const std::vector<RecorderColumn>& columns,
+    const RunInputs& inputs);
 
 }  // namespace rths::foreign

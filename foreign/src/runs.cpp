@@ -29,7 +29,7 @@ void append(const std::vector<double>& values, std::string& text) {
 }
 
 std::string key_of(const RunInputs& inputs) {
-  std::string bytes;
+  std::string bytes = inputs.law.key + '\0';
   append({inputs.start, inputs.time_step, static_cast<double>(inputs.rows)}, bytes);
   append(inputs.parameters, bytes);
   for (const auto& input : inputs.inputs) append(input, bytes);

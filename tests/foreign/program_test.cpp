@@ -17,7 +17,7 @@
 namespace rths::foreign {
 namespace {
 
-RunInputs three_rows() { return {1, 0.5, 3, {{1, 2, 3}}, {10}}; }
+RunInputs three_rows() { return {1, 0.5, 3, {{1, 2, 3}}, {10}, {}}; }
 
 /// A program as a script of the shell, with the input `u`, the output `y` and the parameter `k`.
 class ProgramTest : public ::testing::Test {

@@ -8,6 +8,7 @@
 #include <rths_adapter.h>
 #include <rths/core/error.hpp>
 #include <rths/core/text.hpp>
+#include <rths/fmi/fmu_unit.hpp>
 #include <rths/memmap/units.hpp>
 
 namespace rths::fmi {
@@ -32,42 +33,10 @@ std::string refusal_of(const Variable& variable) {
   return "";
 }
 
-bool is_dimensionless(const Variable& variable) {
-  return variable.type != Type::Float64 && variable.type != Type::Float32;
-}
-
 bool is_signal_name(const std::string& name) {
   const auto allowed = [](char c) { return is_letter_or_digit(c) || c == '_' || c == '.'; };
   return !name.empty() && name.front() != '.' && name.back() != '.' &&
          std::all_of(name.begin(), name.end(), allowed);
-}
-
-// "kg.m.s-2"
-std::string text_of(const BaseUnit& unit) {
-  std::string text;
-  for (std::size_t i = 0; i < unit.exponents.size(); ++i)
-    if (unit.exponents[i] != 0)
-      text += fmt::format("{}{}{}", text.empty() ? "" : ".", kBases[i],
-                          unit.exponents[i] == 1 ? "" : std::to_string(unit.exponents[i]));
-  return text.empty() ? "1" : text;
-}
-
-// The SI unit of a variable, and its conversion. The FMU's own definition of a unit has priority
-// over the usual meaning of its name.
-void read_unit(const ModelDescription& description, Binding& binding) {
-  const Variable& variable = *binding.variable;
-  if (is_dimensionless(variable) || variable.unit.empty()) return;
-  try {
-    const auto defined = description.units.find(variable.unit);
-    const bool is_defined = defined != description.units.end();
-    const auto unit = memmap::parse_unit(is_defined ? text_of(defined->second) : variable.unit);
-    binding.unit = unit.si;
-    binding.conversion = {unit.scale, unit.offset};
-    if (is_defined) binding.conversion = {defined->second.factor, defined->second.offset};
-    if (variable.is_relative) binding.conversion.offset = 0;
-  } catch (const Error& error) {
-    throw Error{fmt::format("unit '{}' of '{}': {}", variable.unit, variable.name, error.what())};
-  }
 }
 
 /// Reads the tables of a node, each of which names variables.
@@ -133,7 +102,7 @@ class BindingReader {
   void check_unit(const std::string& name) const {
     const Variable& variable = variable_of(description_, units_, name, name);
     static_cast<void>(units_.placed(name, [&] { return memmap::parse_unit(units_.text(name)); }));
-    if (is_dimensionless(variable))
+    if (!variable.is_real())
       units_.fail(name,
                   fmt::format("'{}' is of type {}, which has no unit", name, variable.type_name));
     if (!variable.unit.empty())
@@ -144,7 +113,9 @@ class BindingReader {
   Binding binding_of(const Variable& variable) const {
     Binding binding{&variable, variable.name, RTHS_MONITOR, false, "1", {}};
     if (!units_.has(variable.name)) {
-      read_unit(description_, binding);
+      const SiUnit unit = si_unit_of(description_, variable);
+      binding.unit = unit.name;
+      binding.conversion = unit.conversion;
       return binding;
     }
     const auto unit = memmap::parse_unit(units_.text(variable.name));

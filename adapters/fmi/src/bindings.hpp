@@ -8,8 +8,8 @@
 
 #include <rths/core/config.hpp>
 
-#include "exchange.hpp"
-#include "model_description.hpp"
+#include <rths/fmi/exchange.hpp>
+#include <rths/fmi/model_description.hpp>
 
 namespace rths::fmi {
 

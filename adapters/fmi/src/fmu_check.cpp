@@ -8,9 +8,9 @@
 #include <rths/core/error.hpp>
 #include <rths/plugin/conformance.hpp>
 
+#include <rths/fmi/fmu_files.hpp>
 #include "bindings.hpp"
 #include "fmu_config.hpp"
-#include "fmu_files.hpp"
 
 namespace rths::fmi {
 namespace {

@@ -8,7 +8,7 @@
 
 #include <rths/core/config.hpp>
 
-#include "model_description.hpp"
+#include <rths/fmi/model_description.hpp>
 
 namespace rths::fmi {
 

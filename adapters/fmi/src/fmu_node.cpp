@@ -9,9 +9,9 @@
 #include <rths/experiment/experiment.hpp>
 #include <rths/plugin/plugin_node.hpp>
 
+#include <rths/fmi/fmu_files.hpp>
 #include "bindings.hpp"
 #include "fmu_config.hpp"
-#include "fmu_files.hpp"
 
 namespace rths::fmi {
 namespace {

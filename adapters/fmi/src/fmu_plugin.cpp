@@ -11,10 +11,10 @@
 
 #include <rths/core/error.hpp>
 
+#include <rths/fmi/fmu_calls.hpp>
+#include <rths/fmi/fmu_files.hpp>
 #include "bindings.hpp"
-#include "fmu_calls.hpp"
 #include "fmu_config.hpp"
-#include "fmu_files.hpp"
 
 namespace rths::fmi {
 namespace {
@@ -40,23 +40,6 @@ class SingleInstances {
     static std::set<std::string> all;
     return all;
   }
-};
-
-/// Exchanges of one direction, one for each type.
-class Exchanges {
- public:
-  void add(const Variable& variable, std::size_t index, Conversion conversion) {
-    for (auto& exchange : all_)
-      if (exchange.type == variable.type)
-        return exchange.add(variable.reference, index, conversion);
-    all_.emplace_back().type = variable.type;
-    all_.back().add(variable.reference, index, conversion);
-  }
-  [[nodiscard]] auto begin() noexcept { return all_.begin(); }
-  [[nodiscard]] auto end() noexcept { return all_.end(); }
-
- private:
-  std::vector<Exchange> all_;
 };
 
 class FmuPlugin final : public PluginBase {
@@ -119,7 +102,7 @@ class FmuPlugin final : public PluginBase {
       free_instance();
       throw Error{"a value of [start] is outside the range of its type"};
     }
-    require(calls_->enter_initialization(), "EnterInitializationMode");
+    require(calls_->enter_initialization(0), "EnterInitializationMode");
     require(calls_->exit_initialization(), "ExitInitializationMode");
     state_ = State::Stepping;
     steps_ = 0;
@@ -224,12 +207,10 @@ class FmuPlugin final : public PluginBase {
   }
 
   [[nodiscard]] rths_status fail(int answer, const char* function) noexcept {
-    constexpr const char* kNames[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
     state_ = answer == kFatal ? State::Fatal : (answer == kError ? State::Failed : state_);
     const char* text = log_.last_error();
-    const bool is_known = answer >= kOk && answer <= kPending;
     return fail("fmi{0}{1} returned fmi{0}{2}{3}{4}", description_.version, function,
-                is_known ? kNames[answer] : "an unknown status", *text != '\0' ? ": " : "", text);
+                name_of_status(answer), *text != '\0' ? ": " : "", text);
   }
 
   template <class... Values>

@@ -11,6 +11,7 @@
 #include <rths/experiment/experiment.hpp>
 #include <rths/experiment/parts.hpp>
 #include <rths/experiment/user_program.hpp>
+#include <rths/foreign/opensees.hpp>
 
 namespace rths::adapters {
 
@@ -22,19 +23,13 @@ constexpr double kPeriod = 1e-3;            // [s]
 constexpr double kPollingPeriod = 0.25e-3;  // of its flags [s]
 constexpr int kPriority = 40;
 
-// Default Python of OpenSees scripts.
-std::string default_python() {
-  const char* python = std::getenv("RTHS_OPENSEES_PYTHON");
-  return python != nullptr ? python : "python3";
-}
-
 OpenSeesScript read_script(const Config& table) {
   OpenSeesScript opensees;
   opensees.connect_deadline =
       table.number_in("connect_deadline_s", 0.1, 1e5, opensees.connect_deadline);
   opensees.answer_deadline =
       table.number_in("answer_deadline_s", 0.1, 1e5, opensees.answer_deadline);
-  const std::string python = table.text("python", default_python());
+  const std::string python = table.text("python", foreign::opensees_python());
   const auto arguments = table.texts("arguments", {});
   check_placeholders(
       table, "arguments", arguments,

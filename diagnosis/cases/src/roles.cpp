@@ -32,7 +32,7 @@ constexpr Family kFamilies[] = {{"command", true, {"m", "rad"}},
 // In the order of ModelKind.
 constexpr std::string_view kModelKinds[] = {
     "bearing", "platen", "servo_axis", "structure", "mass_spring_damper",
-    "linear",  "data",   "program"};
+    "linear",  "data",   "program",    "opensees",  "fmu"};
 
 }  // namespace
 
@@ -76,7 +76,9 @@ bool is_composition(ModelKind kind) {
   return kind == ModelKind::Bearing || kind == ModelKind::Platen || kind == ModelKind::ServoAxis;
 }
 
-bool is_prediction(ModelKind kind) { return kind == ModelKind::Data || kind == ModelKind::Program; }
+bool is_foreign(ModelKind kind) { return kind >= ModelKind::Program; }
+
+bool is_prediction(ModelKind kind) { return kind == ModelKind::Data || is_foreign(kind); }
 
 std::string model_kinds() { return fmt::format("{}", fmt::join(kModelKinds, ", ")); }
 

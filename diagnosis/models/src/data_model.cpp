@@ -7,6 +7,7 @@
 #include <rths/core/text.hpp>
 
 #include "dynamic_reading.hpp"
+#include "foreign_reading.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -30,9 +31,9 @@ std::vector<std::string> drivers_of(const std::string& output, const Record& rec
   return drivers;
 }
 
-// A term added to a prediction.
+// A term added to a prediction, or at a port of the simulation, which is added to none.
 struct AddedToOutput {
-  Index output;
+  std::optional<Index> output;
   Index displacement, velocity, acceleration;  // indices of the linear system's inputs
 };
 
@@ -89,6 +90,20 @@ class DataReader {
     }
   }
 
+  void add_port(const ForeignPort& port) {
+    const Index displacement = plant_input(port.displacement, 0);
+    const Index velocity =
+        port.velocity.empty() ? plant_input(port.displacement, 1) : plant_input(port.velocity, 0);
+    added.push_back({std::nullopt, displacement, velocity, velocity});
+    Connection connection{port.component, "at " + port.component, port.component, {}, {}};
+    const auto like = std::find(model.inputs.begin(), model.inputs.end(), port.like.value_or(""));
+    if (like != model.inputs.end())
+      connection.like_input = static_cast<std::size_t>(like - model.inputs.begin());
+    else
+      connection.is_of_unit_mass = true;
+    model.connections.push_back(std::move(connection));
+  }
+
  private:
   const Record& record_;
 };
@@ -96,12 +111,10 @@ class DataReader {
 }  // namespace
 
 DynamicModel read_data(const Config& table, const Record& record) {
-  return read_predicted(table, record, {}, {});
+  return read_predicted(table, record, {});
 }
 
-DynamicModel read_predicted(const Config& table, const Record& record,
-                            std::vector<std::string> inputs,
-                            std::vector<ModelParameter> parameters) {
+DynamicModel read_predicted(const Config& table, const Record& record, PredictedFrom from) {
   DataReader reader{record};
   if (reader.model.outputs.empty())
     throw Error{
@@ -109,12 +122,13 @@ DynamicModel read_predicted(const Config& table, const Record& record,
                     "predicted.force.long",
                     record.name)};
   reader.add_drivers();
+  for (const auto& role : from.inputs)
+    if (!contains(reader.model.inputs, role)) reader.model.inputs.push_back(role);
+  for (const auto& port : from.ports) reader.add_port(port);
   DynamicModel model = std::move(reader.model);
   model.name = "prediction to measurement";
-  for (const auto& role : inputs)
-    if (!contains(model.inputs, role)) model.inputs.push_back(role);
-  model.inputs_with_terms = std::move(inputs);
-  model.parameters = std::move(parameters);
+  model.inputs_with_terms = std::move(from.inputs);
+  model.parameters = std::move(from.parameters);
   const auto outputs = static_cast<Index>(model.outputs.size());
   const auto driving = static_cast<Index>(model.plant_inputs.size());
   model.linear = [added = reader.added, outputs, driving](const VectorXd&) {
@@ -125,8 +139,9 @@ DynamicModel read_predicted(const Config& table, const Record& record,
       const AddedToOutput& term = added[static_cast<std::size_t>(i)];
       system.q(i, term.displacement) = 1;
       system.s(i, term.velocity) = 1;
+      if (!term.output) continue;  // no terms with a mass at a port
       system.t(i, term.acceleration) = 1;
-      system.h(term.output, i) = 1;
+      system.h(*term.output, i) = 1;
     }
     return system;
   };

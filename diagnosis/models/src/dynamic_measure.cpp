@@ -41,6 +41,8 @@ double force_of(const DynamicModel& model, const LinearSystem& linear, Index i,
   const ConnectionSize& size = sizes.connections[static_cast<std::size_t>(i)];
   if (connection.like_input) return sizes.inputs[*connection.like_input].peak;
   if (connection.like_output) return sizes.outputs[*connection.like_output].peak;
+  if (connection.is_of_unit_mass)
+    return size.displacement > 0 ? size.velocity * size.velocity / size.displacement : 0;
   const double mobility = std::abs(linear.r.row(i).dot(linear.e.col(i)));
   const double inertia = mobility > 0 && size.displacement > 0
                              ? size.velocity * size.velocity / (mobility * size.displacement)

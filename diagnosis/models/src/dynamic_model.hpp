@@ -42,6 +42,9 @@ struct Connection {
   /// Input or output with the size of its force. None: the size is that of the linear spring and
   /// damper, or of the moving mass.
   std::optional<std::size_t> like_input, like_output;
+  /// A port of a foreign simulation with unknown forces: their size is that of a unit mass in its
+  /// motion.
+  bool is_of_unit_mass = false;
 };
 
 /// A parameter of the linear system.
@@ -85,15 +88,23 @@ struct DynamicModel {
   [[nodiscard]] VectorXd values() const;
 };
 
+struct ForeignPort;
+
 /// @throws Error file:line:column if the table does not describe such a model   @setup
 [[nodiscard]] DynamicModel read_mass_spring_damper(const Config& table);
 [[nodiscard]] DynamicModel read_structure(const Config& table);
 [[nodiscard]] DynamicModel read_linear(const Config& table);
 /// @param record  has the predicted and the measured channels
 [[nodiscard]] DynamicModel read_data(const Config& table, const Record& record);
-/// The same for predictions that a simulation computes from inputs, on which terms may act too.
+/// What a simulation that runs has beside its predictions.
+struct PredictedFrom {
+  std::vector<std::string> inputs;  ///< on which terms may act
+  std::vector<ModelParameter> parameters;
+  std::vector<ForeignPort> ports;
+};
+/// The same for predictions that a simulation computes. Terms at its ports do not change the linear
+/// system: the simulation takes their forces.
 [[nodiscard]] DynamicModel read_predicted(const Config& table, const Record& record,
-                                          std::vector<std::string> inputs,
-                                          std::vector<ModelParameter> parameters);
+                                          PredictedFrom from);
 
 }  // namespace rths::diagnosis

@@ -42,7 +42,9 @@ DynamicModel read_stated(const Case& c, const ForeignModel* foreign, const Recor
     case ModelKind::Data:
       return read_data(c.model.table, record);
     case ModelKind::Program:
-      return read_foreign(c.model.table, *foreign, record);
+    case ModelKind::OpenSees:
+    case ModelKind::Fmu:
+      return read_foreign(*foreign, record);
     default:
       throw Error{fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name,
                               name_of(c.model.kind))};
@@ -147,8 +149,8 @@ class NearestReading final : public Simulator {
 };
 
 std::unique_ptr<ForeignModel> foreign_of(const Case& c) {
-  if (c.model.kind != ModelKind::Program) return nullptr;
-  return std::make_unique<ForeignModel>(c.model.table);
+  if (!is_foreign(c.model.kind)) return nullptr;
+  return std::make_unique<ForeignModel>(c.model);
 }
 
 std::vector<Record> predicted_records(const Case& c, const ForeignModel* foreign) {

@@ -9,6 +9,7 @@
 #include <rths/foreign/runs.hpp>
 
 #include "dynamic_model.hpp"
+#include "foreign_reading.hpp"
 
 namespace rths::diagnosis {
 
@@ -17,14 +18,21 @@ class ForeignModel {
  public:
   /// @throws Error file:line:column if the table describes no such simulation, or if it cannot run
   ///         @setup
-  explicit ForeignModel(const Config& table);
+  explicit ForeignModel(const Model& model);
 
-  [[nodiscard]] const std::vector<std::string>& inputs() const { return inputs_; }    ///< roles
-  [[nodiscard]] const std::vector<std::string>& outputs() const { return outputs_; }  ///< roles
-  [[nodiscard]] const std::vector<ModelParameter>& parameters() const { return parameters_; }
+  [[nodiscard]] const std::vector<std::string>& inputs() const { return read_.inputs; }  ///< roles
+  [[nodiscard]] const std::vector<std::string>& outputs() const {
+    return read_.outputs;
+  }  ///< roles
+  [[nodiscard]] const std::vector<ModelParameter>& parameters() const { return read_.parameters; }
+  [[nodiscard]] const std::vector<ForeignPort>& ports() const { return read_.ports; }
+  /// The channels that a run computes, in its order: predictions of the outputs, motions at ports.
+  [[nodiscard]] std::vector<std::string> computed() const;
+  /// The rest of the table: what all models of this project have.
+  [[nodiscard]] const Config& rest() const { return read_.rest; }
 
   /// Runs at the stated parameters, twice for the first record.
-  /// @returns the record with a channel `predicted.<role>` for each output
+  /// @returns the record with the computed channels
   /// @throws Error if a run fails, or if two runs differ   @setup
   [[nodiscard]] Record predicted(const Record& record, bool is_first) const;
 
@@ -39,15 +47,13 @@ class ForeignModel {
  private:
   [[nodiscard]] foreign::RunInputs stated_run(const Record& record) const;
 
-  std::vector<std::string> inputs_, outputs_;
-  std::vector<ModelParameter> parameters_;
+  ForeignReading read_;
   std::unique_ptr<foreign::Runs> runs_;
 };
 
 /// The model of a foreign simulation: its outputs as if they were recorded, terms at its inputs and
-/// outputs and terms added to them.
+/// outputs, at its ports, and terms added to outputs.
 /// @param record  with the channels that it predicts
-[[nodiscard]] DynamicModel read_foreign(const Config& table, const ForeignModel& foreign,
-                                        const Record& record);
+[[nodiscard]] DynamicModel read_foreign(const ForeignModel& foreign, const Record& record);
 
 }  // namespace rths::diagnosis

@@ -3,19 +3,74 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include <rths/core/text.hpp>
 
+#include "connection_force.hpp"
+
 namespace rths::diagnosis {
+namespace {
+
+/// Terms at the ports of a simulation, one connection for each.
+class TermForces final : public foreign::PortForces {
+ public:
+  TermForces(std::vector<ConnectionWithTerms> ports, const std::vector<double>& values)
+      : ports_{std::move(ports)} {
+    for (const auto& port : ports_) forces_.emplace_back(port, values, 0.0, 0.0);
+  }
+  double next(std::size_t port, const foreign::PortMotion& motion) override {
+    const double force =
+        forces_[port].trial(motion.displacement, motion.velocity, 0.0, motion.time);
+    forces_[port].commit();
+    return force;
+  }
+
+ private:
+  std::vector<ConnectionWithTerms> ports_;
+  std::vector<ConnectionForce<double>> forces_;  // of ports_
+};
+
+// The connection of a port with its terms.
+ConnectionWithTerms connection_of(const DynamicModel& model, const Hypothesis& hypothesis,
+                                  const DynamicSizes& sizes, const std::string& component,
+                                  double time_step) {
+  const auto at = std::find_if(model.connections.begin(), model.connections.end(),
+                               [&](const auto& one) { return one.component == component; });
+  const auto index = static_cast<std::size_t>(at - model.connections.begin());
+  std::vector<sim::TermSettings> terms;
+  for (const auto& term : hypothesis.terms)
+    if (term.component == component) terms.push_back(term.settings);
+  const auto found = as_connection(std::move(terms));
+  ConnectionWithTerms connection{
+      index, {found.terms, sizes.of_connection(sizes.connections[index]), time_step}, false};
+  for (std::size_t i = 0; i < hypothesis.free.size(); ++i) {
+    const auto free = find_parameter(model, hypothesis.terms, hypothesis.free[i].name);
+    if (free.of_model || hypothesis.terms[free.term].component != component) continue;
+    connection.terms.bind(sim::name_of(hypothesis.terms[free.term].settings), free.parameter,
+                          static_cast<Index>(i));
+  }
+  return connection;
+}
+
+bool is_port(const ForeignModel& foreign, const std::string& component) {
+  return std::any_of(foreign.ports().begin(), foreign.ports().end(),
+                     [&](const auto& port) { return port.component == component; });
+}
+
+}  // namespace
 
 ForeignSimulator::ForeignSimulator(const DynamicModel& model, const ForeignModel& foreign,
                                    const Hypothesis& hypothesis, const DynamicSizes& sizes,
                                    double time_step, const DynamicSignals& signals)
     : model_{model},
       foreign_{foreign},
+      hypothesis_{hypothesis},
+      sizes_{sizes},
       free_{hypothesis.free},
       time_step_{time_step},
       signals_{signals},
-      outputs_{model, hypothesis, &sizes, time_step, signals_} {
+      outputs_{model, hypothesis, &sizes_, time_step, signals_} {
   for (const auto& role : foreign.inputs())
     inputs_.push_back(static_cast<std::size_t>(
         std::find(model.inputs.begin(), model.inputs.end(), role) - model.inputs.begin()));
@@ -23,12 +78,14 @@ ForeignSimulator::ForeignSimulator(const DynamicModel& model, const ForeignModel
     const auto at = find_parameter(model, hypothesis.terms, free.name);
     parameter_.push_back(at.of_model);
     is_upstream_.push_back(at.of_model ||
-                           contains(foreign.inputs(), hypothesis.terms[at.term].component));
+                           contains(foreign.inputs(), hypothesis.terms[at.term].component) ||
+                           is_port(foreign, hypothesis.terms[at.term].component));
   }
 }
 
 foreign::RunInputs ForeignSimulator::run_at(const VectorXd& values) const {
-  foreign::RunInputs run{signals_.start, time_step_, signals_.inputs.front().size(), {}, {}};
+  foreign::RunInputs run{signals_.start, time_step_, signals_.inputs.front().size(), {}, {},
+                         law_at(values)};
   for (const std::size_t input : inputs_) run.inputs.push_back(outputs_.driven(input, values));
   for (const auto& parameter : model_.parameters) run.parameters.push_back(parameter.value);
   for (std::size_t i = 0; i < parameter_.size(); ++i)
@@ -36,14 +93,34 @@ foreign::RunInputs ForeignSimulator::run_at(const VectorXd& values) const {
   return run;
 }
 
+foreign::PortLaw ForeignSimulator::law_at(const VectorXd& values) const {
+  foreign::PortLaw law;
+  for (const auto& [settings, component] : hypothesis_.terms) {
+    if (!is_port(foreign_, component)) continue;
+    law.key += fmt::format("{} {} {}", component, settings.kind, sim::name_of(settings));
+    for (const auto& [name, value] : settings.parameters)
+      law.key += fmt::format(" {} {}", name, value);
+  }
+  if (law.key.empty()) return law;
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (is_upstream_[i] && !parameter_[i])
+      law.key += fmt::format(" {} {}", free_[i].name, values[static_cast<Index>(i)]);
+  law.begin = [this, values = plain(values)](double time_step) {
+    std::vector<ConnectionWithTerms> ports;
+    for (const auto& port : foreign_.ports())
+      ports.push_back(connection_of(model_, hypothesis_, sizes_, port.component, time_step));
+    return std::make_unique<TermForces>(std::move(ports), values);
+  };
+  return law;
+}
+
 bool ForeignSimulator::take(const foreign::RunOutputs& run) const {
   if (!run.trouble.empty()) return false;
-  // The predictions are the first inputs of the model.
-  std::vector<std::size_t> at;
-  for (const auto& role : foreign_.outputs())
-    at.push_back(static_cast<std::size_t>(
-        std::find(model_.outputs.begin(), model_.outputs.end(), role) - model_.outputs.begin()));
-  for (std::size_t i = 0; i < at.size(); ++i) signals_.inputs[at[i]] = run.outputs[i];
+  const auto roles = foreign_.computed();
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    const auto at = std::find(model_.inputs.begin(), model_.inputs.end(), roles[i]);
+    signals_.inputs[static_cast<std::size_t>(at - model_.inputs.begin())] = run.outputs[i];
+  }
   return true;
 }
 

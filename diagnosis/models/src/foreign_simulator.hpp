@@ -9,7 +9,7 @@
 namespace rths::diagnosis {
 
 /// Runs a foreign simulation, then the terms at its outputs. Derivatives with respect to its
-/// parameters and to terms at its inputs are differences between runs.
+/// parameters and to terms at its inputs and ports are differences between runs.
 class ForeignSimulator final : public Simulator {
  public:
   /// Model, foreign model and signals must outlive this.
@@ -23,6 +23,8 @@ class ForeignSimulator final : public Simulator {
 
  private:
   [[nodiscard]] foreign::RunInputs run_at(const VectorXd& values) const;
+  /// The terms at the ports, with their free parameters.
+  [[nodiscard]] foreign::PortLaw law_at(const VectorXd& values) const;
   /// Takes the outputs of a run as those that the terms at the outputs distort.
   [[nodiscard]] bool take(const foreign::RunOutputs& run) const;
   /// Step of a difference, within the bounds of the parameter.
@@ -30,6 +32,8 @@ class ForeignSimulator final : public Simulator {
 
   const DynamicModel& model_;
   const ForeignModel& foreign_;
+  const Hypothesis hypothesis_;
+  DynamicSizes sizes_;
   std::vector<FreeParameter> free_;
   double time_step_;
   std::vector<std::size_t> inputs_;  ///< of the model, in the order of the foreign one

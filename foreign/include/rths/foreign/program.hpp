@@ -10,12 +10,22 @@
 
 namespace rths::foreign {
 
+/// A column of a file that a recorder of OpenSees writes: rows of time [s] and responses.
+struct RecorderColumn {
+  std::string file;        ///< from the folder of the run
+  std::size_t column = 1;  ///< response, from 1
+  double factor = 1;       ///< to SI
+};
+
 /// A simulation that is a program: it reads a table of inputs and writes a table of outputs.
 struct ProgramSettings {
   std::vector<std::string> command;  ///< program and arguments, with placeholders
   std::filesystem::path folder;      ///< relative paths in the command start here
   std::vector<std::string> inputs, outputs, parameters;  ///< names of columns and parameters
   double deadline = 60;                                  ///< of one run [s]
+  std::vector<std::filesystem::path> files = {};         ///< copied to the folder of each run
+  std::vector<RecorderColumn> recorded = {};             ///< by output, in place of outputs.csv
+  bool has_motion = false;  ///< the placeholders of `make_opensees` too
 };
 
 /// Each run has an empty folder of its own, in which the program starts:

@@ -2,10 +2,32 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace rths::foreign {
+
+/// Motion at a port: between the two points of a simulation that a force may join.
+struct PortMotion {
+  double time = 0, displacement = 0, velocity = 0;
+};
+
+/// Forces of one run at the ports of a simulation. They have a memory.
+class PortForces {
+ public:
+  virtual ~PortForces() = default;
+  /// @param port  in the order of the simulation's settings
+  /// @returns the force against the displacement at the end of a step
+  [[nodiscard]] virtual double next(std::size_t port, const PortMotion& motion) = 0;
+};
+
+/// A law of forces at ports.
+struct PortLaw {
+  std::string key;  ///< differs for different laws; empty: no forces
+  std::function<std::unique_ptr<PortForces>(double time_step)> begin;
+};
 
 /// What one run of a simulation is given: inputs at equally spaced times, and parameters, both in
 /// the order of the simulation's settings.
@@ -14,6 +36,7 @@ struct RunInputs {
   std::size_t rows = 0;
   std::vector<std::vector<double>> inputs;  ///< by input, by row
   std::vector<double> parameters;
+  PortLaw law = {};  // NOLINT: designated initializers need it
 };
 
 /// What one run returned.

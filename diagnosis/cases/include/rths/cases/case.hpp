@@ -32,14 +32,18 @@ enum class ModelKind {
   MassSpringDamper,
   Linear,
   Data,
-  Program
+  Program,
+  OpenSees,
+  Fmu
 };
 
 /// As in a case: "servo_axis".
 [[nodiscard]] std::string name_of(ModelKind kind);
 /// Whether a kind of model consists of terms of the catalogue: bearing, platen, servo axis.
 [[nodiscard]] bool is_composition(ModelKind kind);
-/// Whether a kind of model is the user's own prediction: data, or a program that makes them.
+/// Whether a kind of model is the user's own simulation, which runs during a diagnosis.
+[[nodiscard]] bool is_foreign(ModelKind kind);
+/// Whether a kind of model is the user's own prediction: data, or a simulation that makes them.
 [[nodiscard]] bool is_prediction(ModelKind kind);
 
 /// The model of the simulation.

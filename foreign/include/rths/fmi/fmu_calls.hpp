@@ -8,13 +8,16 @@
 #include <span>
 #include <string>
 
-#include "exchange.hpp"
-#include "model_description.hpp"
+#include <rths/fmi/exchange.hpp>
+#include <rths/fmi/model_description.hpp>
 
 namespace rths::fmi {
 
 /// Status of a call, with the numbers of both versions of the standard.
 enum FmiStatus : int { kOk, kWarning, kDiscard, kError, kFatal, kPending };
+
+/// "Discard"; "an unknown status" for other numbers.   @realtime
+[[nodiscard]] const char* name_of_status(int status) noexcept;
 
 /// Messages of an FMU. They go to standard error with the name of the instance. Those of a step are
 /// kept, and printed by `flush`.
@@ -67,12 +70,16 @@ class Calls {
   /// @returns whether there is an instance   @setup
   [[nodiscard]] virtual bool instantiate(const ModelDescription& description,
                                          const InstanceSettings& settings, FmuLog& log) = 0;
-  [[nodiscard]] virtual int enter_initialization() = 0;
+  /// @param start  time of the first step [s]
+  [[nodiscard]] virtual int enter_initialization(double start) = 0;
   [[nodiscard]] virtual int exit_initialization() = 0;
   [[nodiscard]] virtual int set(Exchange& exchange, std::span<const double> in,
                                 bool& fits) noexcept = 0;
   [[nodiscard]] virtual int get(Exchange& exchange, double* out) noexcept = 0;
   [[nodiscard]] virtual StepEnd step(double time, double length) noexcept = 0;
+  /// Returns to the state after `instantiate`.
+  /// @throws Error if the library has no such function   @setup
+  [[nodiscard]] virtual int reset() = 0;
   virtual int terminate() noexcept = 0;
   virtual void free_instance() noexcept = 0;
 };

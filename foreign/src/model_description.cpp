@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "model_description.hpp"
+#include <rths/fmi/model_description.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -124,9 +124,9 @@ Variable variable_of(const pugi::xml_node& node, int version, const Definitions&
   variable.type_name = typed.name();
   variable.type = type_named(version, variable.type_name);
   variable.causality = DescriptionReader::text(node, "causality", "local");
-  const bool is_real = variable.type == Type::Float64 || variable.type == Type::Float32;
   variable.variability =
-      DescriptionReader::text(node, "variability", is_real ? "continuous" : "discrete");
+      DescriptionReader::text(node, "variability", variable.is_real() ? "continuous" : "discrete");
+  variable.is_exact = DescriptionReader::text(node, "initial") == "exact";
   variable.is_array = static_cast<bool>(node.child("Dimension"));
   variable.is_clocked = !DescriptionReader::text(node, "clocks").empty();
   if (variable.type == Type::Other) return variable;

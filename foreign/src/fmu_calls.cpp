@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fmu_calls.hpp"
+#include <rths/fmi/fmu_calls.hpp>
 
 #include <dlfcn.h>
 
@@ -118,8 +118,8 @@ class Calls2 final : public Calls {
     return self_ != nullptr;
   }
 
-  int enter_initialization() override {
-    const int answer = setup_(self_, fmi2False, 0, 0, fmi2False, 0);
+  int enter_initialization(double start) override {
+    const int answer = setup_(self_, fmi2False, 0, start, fmi2False, 0);
     return answer > kWarning ? answer : enter_(self_);
   }
 
@@ -166,6 +166,10 @@ class Calls2 final : public Calls {
     return end;
   }
 
+  int reset() override {
+    fmi2ResetTYPE* const function = library_.find("fmi2Reset");
+    return function(self_);
+  }
   int terminate() noexcept override { return terminate_(self_); }
   void free_instance() noexcept override { free_(self_); }
 
@@ -208,7 +212,9 @@ class Calls3 final : public Calls {
     return self_ != nullptr;
   }
 
-  int enter_initialization() override { return enter_(self_, false, 0, 0, false, 0); }
+  int enter_initialization(double start) override {
+    return enter_(self_, false, 0, start, false, 0);
+  }
   int exit_initialization() override { return exit_(self_); }
 
   int set(Exchange& exchange, std::span<const double> in, bool& fits) noexcept override {
@@ -252,6 +258,10 @@ class Calls3 final : public Calls {
     return end;
   }
 
+  int reset() override {
+    fmi3ResetTYPE* const function = library_.find("fmi3Reset");
+    return function(self_);
+  }
   int terminate() noexcept override { return terminate_(self_); }
   void free_instance() noexcept override { free_(self_); }
 
@@ -276,6 +286,11 @@ std::unique_ptr<Calls> load_calls(const std::filesystem::path& library, int vers
   const FmuLibrary loaded{handle, library.filename().string()};
   if (version == 2) return std::make_unique<Calls2>(loaded);
   return std::make_unique<Calls3>(loaded);
+}
+
+const char* name_of_status(int status) noexcept {
+  constexpr const char* kNames[] = {"OK", "Warning", "Discard", "Error", "Fatal", "Pending"};
+  return status >= kOk && status <= kPending ? kNames[status] : "an unknown status";
 }
 
 void FmuLog::add(int status, const char* /*category*/, const char* message) noexcept {

@@ -38,10 +38,13 @@ struct Variable {
   Type type = Type::Other;
   std::string type_name;  ///< as the file states it: "Real", "String"
   std::string causality, variability;
+  bool is_exact = false;     ///< initial = "exact": its initial value may be set
   std::string unit;          ///< empty: none
   bool is_relative = false;  ///< a difference: the offset of its unit does not count
   bool is_array = false, is_clocked = false;
   std::optional<double> start, lowest, highest;  ///< [unit]
+
+  [[nodiscard]] bool is_real() const { return type == Type::Float64 || type == Type::Float32; }
 };
 
 /// si = factor·value + offset, in kg^a m^b s^c A^d K^e mol^f cd^g rad^h.

@@ -55,6 +55,7 @@ typedef fmi3Status fmi3EnterInitializationModeTYPE(fmi3Instance instance, fmi3Bo
                                                    fmi3Boolean has_stop, fmi3Float64 stop);
 typedef fmi3Status fmi3ExitInitializationModeTYPE(fmi3Instance instance);
 typedef fmi3Status fmi3TerminateTYPE(fmi3Instance instance);
+typedef fmi3Status fmi3ResetTYPE(fmi3Instance instance);
 typedef fmi3Status fmi3DoStepTYPE(fmi3Instance instance, fmi3Float64 time, fmi3Float64 step,
                                   fmi3Boolean is_final, fmi3Boolean* needs_event,
                                   fmi3Boolean* terminates, fmi3Boolean* returned_early,

@@ -11,7 +11,7 @@
 
 #include <rths/core/realtime.hpp>
 
-#include "model_description.hpp"
+#include <rths/fmi/model_description.hpp>
 
 namespace rths::fmi {
 
@@ -42,6 +42,23 @@ struct Exchange {
     static_assert(sizeof(T) <= sizeof(std::uint64_t));
     return reinterpret_cast<T*>(memory.data());
   }
+};
+
+/// Exchanges of one direction, one for each type.
+class Exchanges {
+ public:
+  void add(const Variable& variable, std::size_t index, Conversion conversion) {
+    for (auto& exchange : all_)
+      if (exchange.type == variable.type)
+        return exchange.add(variable.reference, index, conversion);
+    all_.emplace_back().type = variable.type;
+    all_.back().add(variable.reference, index, conversion);
+  }
+  [[nodiscard]] auto begin() noexcept { return all_.begin(); }
+  [[nodiscard]] auto end() noexcept { return all_.end(); }
+
+ private:
+  std::vector<Exchange> all_;
 };
 
 /// A number as a value of an FMU's type; the nearest one, if it is outside the type's range.

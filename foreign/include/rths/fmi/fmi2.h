@@ -49,6 +49,7 @@ typedef fmi2Status fmi2SetupExperimentTYPE(fmi2Component component, fmi2Boolean 
 typedef fmi2Status fmi2EnterInitializationModeTYPE(fmi2Component component);
 typedef fmi2Status fmi2ExitInitializationModeTYPE(fmi2Component component);
 typedef fmi2Status fmi2TerminateTYPE(fmi2Component component);
+typedef fmi2Status fmi2ResetTYPE(fmi2Component component);
 typedef fmi2Status fmi2GetRealTYPE(fmi2Component component, const fmi2ValueReference references[],
                                    size_t count, fmi2Real values[]);
 typedef fmi2Status fmi2GetIntegerTYPE(fmi2Component component,

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "model_description.hpp"
+#include <rths/fmi/model_description.hpp>
 
 namespace rths::fmi {
 

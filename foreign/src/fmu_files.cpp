@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "fmu_files.hpp"
+#include <rths/fmi/fmu_files.hpp>
 
 #include <fcntl.h>
 #include <sys/file.h>

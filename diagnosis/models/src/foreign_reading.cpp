@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "foreign_reading.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+#include <rths/fmi/fmu_files.hpp>
+#include <rths/fmi/fmu_unit.hpp>
+#include <rths/foreign/fmu.hpp>
+#include <rths/foreign/opensees.hpp>
+#include <rths/foreign/program.hpp>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kDeadline = 60;  // of a run [s]
+constexpr double kLongest = 86400;
+constexpr std::int64_t kRuns = 20'000, kMostRuns = 10'000'000;
+
+using Names = std::vector<std::string>;
+
+// Roles by key, and the names that the simulation has for them. A table is left to its kind.
+Names read_names(const Config& table, Names& roles) {
+  Names names;
+  for (const auto& role : table.keys()) {
+    roles.push_back(role);
+    names.push_back(table.is_table(role) ? role : table.text(role));
+    if (names.back().empty()) table.fail(role, "the name is empty");
+  }
+  return names;
+}
+
+void check_columns(const Config& table, const Names& names) {
+  for (const auto& role : table.keys())
+    for (const auto& name : names)
+      if (name == table.text(role) && name.find_first_of(",\"\n") != std::string::npos)
+        table.fail(role, fmt::format("'{}' is no name of a column", name));
+}
+
+/// What the simulation itself states about a parameter.
+struct KnownParameter {
+  std::optional<double> value;
+  std::string unit = "1";
+};
+
+ModelParameter read_parameter(const Config& all, const std::string& name,
+                              const KnownParameter& known) {
+  const Config table = all.table(name);
+  const double value = known.value ? table.number("value", *known.value) : table.number("value");
+  ModelParameter parameter{name, table.text("unit", known.unit), value, "parameter_error", {}, {}};
+  if (table.has("bounds")) {
+    const auto bounds = table.numbers("bounds");
+    if (bounds.size() != 2 || !(bounds[0] < bounds[1]) || !(value >= bounds[0]) ||
+        !(value <= bounds[1]))
+      table.fail("bounds", "expected [low, high] around the value");
+    parameter.bounds = {bounds[0], bounds[1]};
+  }
+  if (table.has("step")) parameter.step = table.number_in("step", 1e-100, 1e100);
+  table.reject_unknown_keys();
+  return parameter;
+}
+
+/// Reads what all kinds have, then the simulation of a kind.
+class ForeignReader {
+ public:
+  explicit ForeignReader(const Model& model) : model_{model}, table_{model.table} {}
+
+  ForeignReading read() {
+    inputs_ = read_names(table_.table_or_empty("inputs"), found_.inputs);
+    outputs_ = read_names(table_.table("outputs"), found_.outputs);
+    if (outputs_.empty()) table_.fail("outputs", "the table is empty, expected an output");
+    found_.most_runs =
+        static_cast<std::size_t>(table_.integer_in("most_runs", 2, kMostRuns, kRuns));
+    deadline_ = table_.number_in("deadline_s", 1e-3, kLongest, kDeadline);
+    take({"inputs", "outputs", "parameters", "most_runs", "deadline_s"});
+    if (model_.kind == ModelKind::Fmu) read_fmu();
+    if (model_.kind == ModelKind::OpenSees) read_opensees();
+    if (model_.kind == ModelKind::Program) read_program();
+    found_.rest = table_;
+    for (const auto& key : taken_) found_.rest = found_.rest.without(key);
+    return std::move(found_);
+  }
+
+ private:
+  void take(const Names& keys) { taken_.insert(taken_.end(), keys.begin(), keys.end()); }
+
+  // @param known  of a parameter's name
+  template <class Known>
+  Names read_parameters(const Known& known) {
+    const Config all = table_.table_or_empty("parameters");
+    for (const auto& name : all.keys())
+      found_.parameters.push_back(
+          read_parameter(all, name, all.placed(name, [&] { return known(name); })));
+    return all.keys();
+  }
+
+  void read_program() {
+    take({"command"});
+    check_columns(table_.table_or_empty("inputs"), inputs_);
+    check_columns(table_.table("outputs"), outputs_);
+    foreign::ProgramSettings settings{
+        table_.texts("command"), table_.resolve("."), inputs_, outputs_, {}, deadline_};
+    settings.parameters = read_parameters([](const auto&) { return KnownParameter{}; });
+    found_.simulation =
+        table_.placed("command", [&] { return foreign::make_program(std::move(settings)); });
+  }
+
+  void read_opensees() {
+    take({"script", "arguments", "python", "files", "function"});
+    foreign::OpenSeesRunSettings settings;
+    settings.python = table_.text("python", foreign::opensees_python());
+    settings.script = table_.resolve(table_.text("script"));
+    if (!std::filesystem::is_regular_file(settings.script))
+      table_.fail("script", settings.script.string() + " is not a file");
+    settings.arguments = table_.texts("arguments", {});
+    for (const auto& file : table_.texts("files", {})) {
+      settings.files.push_back(table_.resolve(file));
+      if (!std::filesystem::exists(settings.files.back()))
+        table_.fail("files", settings.files.back().string() + " does not exist");
+    }
+    settings.function = table_.text("function", "");
+    settings.inputs = inputs_;
+    settings.outputs = outputs_;
+    settings.deadline = deadline_;
+    settings.parameters = read_parameters([](const auto&) { return KnownParameter{}; });
+    const Config outputs = table_.table("outputs");
+    for (const auto& role : outputs.keys()) {
+      if (!outputs.is_table(role)) continue;
+      const Config one = outputs.table(role);
+      settings.recorded.push_back(
+          {one.text("file"), static_cast<std::size_t>(one.integer_in("column", 1, 1'000'000, 1)),
+           one.number("factor", 1)});
+      one.reject_unknown_keys();
+    }
+    if (!settings.recorded.empty() && settings.recorded.size() != outputs_.size())
+      table_.fail("outputs", "some are tables, expected all or none");
+    found_.simulation =
+        table_.placed("script", [&] { return foreign::make_opensees(std::move(settings)); });
+  }
+
+  void read_fmu() {
+    take({"file", "start", "step_s", "port"});
+    foreign::FmuSettings settings;
+    settings.file = table_.resolve(table_.text("file"));
+    settings.inputs = inputs_;
+    settings.outputs = outputs_;
+    settings.step = table_.number_in("step_s", 1e-9, kLongest, 0);
+    settings.holds_inputs = table_.text("hold", "") == "zero";
+    settings.deadline = deadline_;
+    const auto description =
+        table_.placed("file", [&] { return fmi::read_description(settings.file); });
+    settings.parameters = read_parameters([&](const std::string& name) {
+      const fmi::Variable* variable = description.find(name);
+      if (variable == nullptr) return KnownParameter{};
+      return KnownParameter{variable->start, variable->unit.empty() ? "1" : variable->unit};
+    });
+    const Config start = table_.table_or_empty("start");
+    for (const auto& name : start.keys()) settings.start.emplace_back(name, start.number(name));
+    read_units(description, settings);
+    read_ports(description, settings);
+    found_.simulation =
+        table_.placed("file", [&] { return foreign::make_fmu(std::move(settings)); });
+  }
+
+  static std::string unit_of(const fmi::ModelDescription& description, const std::string& name) {
+    const fmi::Variable* variable = description.find(name);
+    return variable == nullptr || variable->unit.empty()
+               ? ""
+               : fmi::si_unit_of(description, *variable).name;
+  }
+  void read_units(const fmi::ModelDescription& description, const foreign::FmuSettings& settings) {
+    for (const auto& output : settings.outputs)
+      found_.units.push_back(unit_of(description, output));
+  }
+
+  void read_ports(const fmi::ModelDescription& description, foreign::FmuSettings& settings) {
+    const Config ports = table_.table_or_empty("port");
+    for (const auto& name : ports.keys()) {
+      const Config table = ports.table(name);
+      foreign::FmuPort port{table.text("displacement"), table.text("velocity", ""),
+                            table.text("force", ""), table.text("state", "")};
+      if (port.force.empty() == port.state.empty())
+        ports.fail(name, "expected one of force and state");
+      table.reject_unknown_keys();
+      const std::string velocity = port.velocity.empty() ? port.state : port.velocity;
+      ForeignPort found{"port." + name,
+                        add_motion(name, "displacement", port.displacement, settings),
+                        "",
+                        "",
+                        "",
+                        {}};
+      found.displacement_unit = unit_of(description, port.displacement);
+      if (!velocity.empty()) {
+        found.velocity = add_motion(name, "velocity", velocity, settings);
+        found.velocity_unit = unit_of(description, velocity);
+      }
+      const auto like = std::find(inputs_.begin(), inputs_.end(), port.force);
+      if (like != inputs_.end())
+        found.like = found_.inputs[static_cast<std::size_t>(like - inputs_.begin())];
+      found_.ports.push_back(std::move(found));
+      settings.ports.push_back(std::move(port));
+    }
+  }
+  static std::string add_motion(const std::string& port, const char* quantity,
+                                const std::string& variable, foreign::FmuSettings& settings) {
+    settings.outputs.push_back(variable);
+    return fmt::format("auxiliary.port.{}.{}", port, quantity);
+  }
+
+  const Model& model_;
+  const Config& table_;
+  ForeignReading found_;
+  Names inputs_, outputs_;  // in the simulation
+  double deadline_ = 0;
+  Names taken_;
+};
+
+}  // namespace
+
+ForeignReading read_foreign_table(const Model& model) { return ForeignReader{model}.read(); }
+
+}  // namespace rths::diagnosis

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+// The user's simulation is an FMU: a mass on a spring, whose steps no model of this project shares.
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include <rths/report/diagnosis.hpp>
+
+#include "dynamic_case.hpp"
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kPeriod = 0.005, kStiff = 2000,
+                 kDamping = 8;  // of a unit mass [s], [N/m], [N·s/m]
+constexpr int kSteps = 5;       // of the FMU per sample
+constexpr std::size_t kRows = 1200, kStill = 400;
+
+using Law = std::function<double(double x, double v)>;
+
+// The method of the FMU, with a force that it lacks.
+std::vector<double> oscillator(const std::vector<double>& push, const Law& lacking) {
+  const double h = kPeriod / kSteps;
+  std::vector<double> motion{0};
+  double x = 0, v = 0;
+  for (std::size_t row = 0; row + 1 < push.size(); ++row) {
+    for (int i = 0; i < kSteps; ++i) {
+      const double mean = push[row] + (push[row + 1] - push[row]) * (i + 0.5) / kSteps;
+      const double a = mean - kStiff * x - kDamping * v - lacking(x, v);
+      v += h * a;
+      x += h * (v - h / 2 * a);
+    }
+    motion.push_back(x);
+  }
+  return motion;
+}
+
+class FmuCase : public ::testing::Test {
+ protected:
+  FmuCase() {
+    const auto binaries = folder_.path() / "mass/binaries/linux64";
+    std::filesystem::create_directories(binaries);
+    std::filesystem::copy(test::build_tree() / "fmu2/mass.so", binaries / "mass.so");
+    std::ofstream{folder_.path() / "mass/modelDescription.xml"} << R"(<fmiModelDescription
+ fmiVersion="2.0" modelName="Mass" guid="1"><CoSimulation modelIdentifier="mass"/>
+<UnitDefinitions><Unit name="mm"><BaseUnit m="1" factor="0.001"/></Unit></UnitDefinitions>
+<ModelVariables>
+<ScalarVariable name="x" valueReference="0" causality="output" variability="continuous" initial="exact"><Real unit="m" start="0"/></ScalarVariable>
+<ScalarVariable name="v" valueReference="1" causality="output" variability="continuous" initial="exact"><Real unit="m/s" start="0"/></ScalarVariable>
+<ScalarVariable name="F" valueReference="2" causality="input"><Real unit="N" start="0"/></ScalarVariable>
+<ScalarVariable name="k" valueReference="3" causality="parameter"><Real unit="N/m" start="2000"/></ScalarVariable>
+<ScalarVariable name="c" valueReference="4" causality="parameter"><Real unit="N.s/m" start="8"/></ScalarVariable>
+</ModelVariables></fmiModelDescription>)";
+  }
+
+  void record(const Law& lacking) const {
+    for (unsigned k = 0; k < 2; ++k) {
+      auto push = test_support::random_signal(10 + k, kRows, kPeriod, 0.5, 12, 20);
+      std::fill_n(push.begin(), kStill, 0.0);
+      auto measured = oscillator(push, lacking);
+      const auto noise = test_support::noise(100 + k, kRows, 2e-5);
+      for (std::size_t i = 0; i < kRows; ++i) measured[i] += noise[i];
+      folder_.write(k == 0 ? "fit.csv" : "unseen.csv", {{"u", push}, {"y", measured}});
+    }
+  }
+  [[nodiscard]] Verdict verdict(const std::string& port) const {
+    return diagnose(folder_.load(R"(format = 1
+name = "fmu"
+[[record]]
+file = "fit.csv"
+use = "fit"
+quiet_s = [0, 1.9]
+[[record]]
+file = "unseen.csv"
+use = "held_out"
+quiet_s = [0, 1.9]
+[channels]
+rate_Hz = 200
+input.push = "u [N]"
+output.y = "y [m]"
+[model]
+kind = "fmu"
+file = "mass"
+step_s = 0.001
+[model.inputs]
+"input.push" = "F"
+[model.outputs]
+"output.y" = "x"
+[model.parameters.k]
+[model.parameters.c]
+[model.port.spring]
+displacement = "x"
+velocity = "v"
+)" + port));
+  }
+
+  test_support::CaseFolder folder_;
+};
+
+constexpr const char* kAtInput = "force = \"F\"\n";
+constexpr const char* kAtState = "state = \"v\"\n";
+
+void expect_drag(const Verdict& found, double coefficient) {
+  ASSERT_EQ(found.conclusion.causes.size(), 1U) << found.sentence;
+  EXPECT_EQ(found.conclusion.causes[0].name, "quadratic_drag") << found.sentence;
+  EXPECT_EQ(found.conclusion.causes[0].channel, "port.spring") << found.sentence;
+  EXPECT_NEAR(found.conclusion.causes[0].parameters[0].value, coefficient, 0.05 * coefficient);
+  const RecordScore& proof = found.evaluation.fit.back();
+  EXPECT_LT(proof.nrmse_after, 1.15 * proof.noise_floor) << found.sentence;
+}
+
+TEST_F(FmuCase, IsSilentIfNothingIsMissing) {
+  record([](double, double) { return 0.0; });
+
+  const Verdict silent = verdict(kAtInput);
+
+  EXPECT_EQ(silent.conclusion.outcome, Outcome::None) << silent.sentence;
+}
+
+TEST_F(FmuCase, NamesAForceThatItLacksAtAPortAndRunsImproved) {
+  record([](double, double v) { return 20 * std::abs(v) * v; });
+
+  const Verdict found = verdict(kAtInput);
+  expect_drag(found, 20);
+  const auto files = report::write_diagnosis(found, folder_.path() / "out");
+
+  ASSERT_TRUE(files.improved);
+  const Verdict improved = diagnose(load_case(*files.improved));
+  EXPECT_EQ(improved.conclusion.outcome, Outcome::None) << improved.sentence;
+}
+
+TEST_F(FmuCase, NamesAForceThatItLacksAtAState) {
+  record([](double, double v) { return 20 * std::abs(v) * v; });
+
+  expect_drag(verdict(kAtState), 20);
+}
+
+TEST_F(FmuCase, IsRefusedIfUnitsOrPortsAreWrong) {
+  record([](double, double) { return 0.0; });
+  const auto error = [&](const std::string& port) {
+    return test::error_of([&] { static_cast<void>(verdict(port)); });
+  };
+
+  EXPECT_NE(error("").find("expected one of force and state"), std::string::npos) << error("");
+  EXPECT_NE(error("force = \"G\"\n").find("the FMU has no variable 'G'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace rths::diagnosis
