@@ -102,6 +102,8 @@ def keep_makers(options):
     makers = {"scripts": laboratory.digest(*sorted(HERE.glob("*.py")))}
     if "own" in options.family and generator.is_file():
         makers["trial_generator"] = laboratory.digest(generator)
+    if "program" in options.family and generator.with_name("trial_fmu.so").is_file():
+        makers["trial_fmu"] = laboratory.digest(generator.with_name("trial_fmu.so"))
     if "laboratory" in options.family:
         makers["rths"] = laboratory.digest(options.rths)
     options.out.mkdir(parents=True, exist_ok=True)

@@ -54,7 +54,7 @@ class Chain:
         k3 = self._rate(_plus(x, k2, h / 2), loads[1], t + h / 2)
         k4 = self._rate(_plus(x, k3, h), loads[2], t + h)
         x = {key: x[key] + h / 6 * (k1[key] + 2 * k2[key] + 2 * k3[key] + k4[key]) for key in x}
-        self._remember(_between(x["u"]))
+        self._remember(between(x["u"]))
         return x
 
     def _slid(self, d):
@@ -75,7 +75,7 @@ class Chain:
         self.d0 = d
 
     def _rate(self, x, load, t):
-        d, v = _between(x["u"]), _between(x["w"])
+        d, v = between(x["u"]), between(x["w"])
         force = self._elastic(d, t) + self.p["c"] * v + self._of_velocity(v) + self._dry(d, v) + x["f"]
         rate = {"u": x["w"], "z": self.none, "f": self.none}
         if "strength" in self.on:
@@ -130,7 +130,7 @@ class Chain:
         return force
 
 
-def _between(values):
+def between(values):
     """Values of masses relative to the one before; the ground is at rest."""
     relative = values.copy()
     relative[:, 1:] -= values[:, :-1]

@@ -51,8 +51,14 @@ def _outside(rng, number, seed, folder, sources):
     return outside.make(rng, number, folder, sources)
 
 
+def _program(rng, number, seed, folder, sources):
+    import program
+    slot = slots.slot(number)
+    return {"tier": slot.tier, "kind": slot.kind} | program.make(rng, number, slot, folder, sources)
+
+
 MAKERS = {"own": _own, "opensees": _opensees, "recordings": _recordings, "laboratory": _laboratory, "systems": _systems,
-          "rows": _rows, "outside": _outside}
+          "rows": _rows, "outside": _outside, "program": _program}
 FAMILIES = tuple(MAKERS)
 CASES_A_TURN = {"systems": 2, "rows": 5}  # of a family whose cases take little time; others have one
 

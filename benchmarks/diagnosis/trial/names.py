@@ -61,6 +61,8 @@ def _without_place(form, component):
     """A form without the tool's words for the component: a spring of a chain, or the only one (None)."""
     if component is None:
         return re.sub(r" from \S+ back to \S+$", "", form)
+    if component.startswith("port."):
+        return form.removesuffix(f" at {component}")
     number = re.fullmatch(r"spring\.(\d+)", component)
     if number is None:
         return form

@@ -51,10 +51,14 @@ def _springs(system, placed, reach):
     return springs
 
 
-def _response(system, placed, ground, reach):
+def respond(system, placed, ground, fine, reach=None):
+    """Outputs of a frame with effects: samples × outputs.
+
+    @param fine  steps of the analysis per sample  @param reach  largest deformations; only for effects of springs
+    """
     for one in (p for p in placed if p.effect.where == INPUT):
         ground = one.effect.act(ground, one.values, STEP)
-    u, _ = chain_response([float(m) for m in system.masses], _springs(system, placed, reach), ground, STEP, FINE)
+    u, _ = chain_response([float(m) for m in system.masses], _springs(system, placed, reach), ground, STEP, fine)
     y = u[:, system.outputs].copy()
     for one in at_outputs(placed):
         y[:, one.at] = one.effect.act(y[:, one.at], one.values, STEP)
@@ -71,7 +75,7 @@ def _outsiders():
     return [effect for effect in chain_effects.outsiders() if effect.where == OUTPUT]
 
 
-def _ground(rng, files, duration):
+def ground_of(rng, files, duration):
     """One component of a recorded motion, after rest [m/s²]."""
     ground = ground_motions.read(files[rng.integers(len(files))], STEP)
     ground = ground_motions.strong_part(ground, duration - REST_S, STEP)[:, rng.integers(2)]
@@ -87,13 +91,13 @@ def make(rng, slot, folder, sources):
     """Writes the case; returns its answer."""
     system = draw_system(rng, slot.tier, True)
     files = ground_motions.files_of(sources)
-    grounds = [_ground(rng, files, slot.duration(DURATION)) for _ in FILES]
+    grounds = [ground_of(rng, files, slot.duration(DURATION)) for _ in FILES]
     y, d, v = (x[0] for x in system.respond([grounds[0]], [system.variant()], [[]], 2))
     chosen = effects_for(slot.kind, rng, _library(), _outsiders())
     size = slot.size * (.7 if slot.kind == "pair" else 1)
     placed = [draw_effect(effect, system, (y, d, v), grounds[0], rng, size) for effect in chosen]
     reach = np.abs(d).max(axis=0)
-    recorded = [_response(system, placed, ground, reach) for ground in grounds]
+    recorded = [respond(system, placed, ground, FINE, reach) for ground in grounds]
     noise = [colour(rng, slot.noise * float(column.std())) for column in y.T]
     noisy = [one + np.stack([n.draw(rng, len(one), STEP) for n in noise], axis=1) for one in recorded]
     _write(folder, system, grounds, noisy, rng)

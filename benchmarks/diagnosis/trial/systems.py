@@ -56,7 +56,7 @@ class System:
 
         @param pushes  one input for each variant  @param placed  the effects of each variant
         """
-        driven = np.array([self._driven(push, own, substeps) for push, own in zip(pushes, placed)])
+        driven = np.array([self.driven(push, own, substeps) for push, own in zip(pushes, placed)])
         u, w = Chain(variants, len(self.k)).run(driven, STEP, substeps, self.is_ground)
         y = u[:, :, self.outputs].copy()
         for row, own in zip(y, placed):
@@ -65,7 +65,7 @@ class System:
         return y, np.diff(u, axis=2, prepend=0.0), np.diff(w, axis=2, prepend=0.0)
 
     @staticmethod
-    def _driven(push, placed, substeps):
+    def driven(push, placed, substeps):
         """The input at substeps, linear between samples, after effects on it, which act between samples too."""
         push = np.interp(np.arange((len(push) - 1) * substeps + 1) / substeps, np.arange(len(push)), push)
         for one in (p for p in placed if p.effect.where == INPUT):
@@ -152,6 +152,8 @@ def component(placed, kind):
         return "input.u"
     if placed.effect.where == OUTPUT:
         return f"output.y{placed.at + 1}"
+    if kind == "program":
+        return f"port.{placed.at + 1}"
     return "feedback.1" if kind == "linear" else f"spring.{placed.at + 1}"
 
 
