@@ -144,28 +144,47 @@ class FmuSimulation final : public Simulation {
   }
 
   RunOutputs run(const RunInputs& inputs) const override {
+    const RunInputs* const one = &inputs;
+    return run_forked_once({&one, 1})[0];
+  }
+
+  // A fork costs more than most runs. If one of several fails, each is made alone.
+  std::vector<RunOutputs> run_each(std::span<const RunInputs* const> all) const override {
+    std::vector<RunOutputs> results = run_forked_once(all);
+    if (all.size() > 1 && !results[0].trouble.empty()) return Simulation::run_each(all);
+    return results;
+  }
+  bool prefers_several() const override { return true; }
+
+ private:
+  std::vector<RunOutputs> run_forked_once(std::span<const RunInputs* const> all) const {
     const TemporaryRun folder;
-    const std::size_t outputs = setup_.settings.outputs.size(), numbers = outputs * inputs.rows;
-    const bool restarts = setup_.restarts();
+    const std::size_t outputs = setup_.settings.outputs.size();
+    std::size_t numbers = 0;
+    for (const RunInputs* inputs : all) numbers += outputs * inputs->rows;
     const SharedNumbers results{numbers};
-    const ChildEnding ending = run_forked(
-        [&] {
-          run_fmu(setup_, inputs, restarts, results.data());
-          if (restarts && inputs.law.key.empty()) check_restarts(inputs, results.data());
-        },
-        folder.path(), setup_.settings.deadline);
+    const auto work = [&] {
+      double* next = results.data();
+      for (const RunInputs* inputs : all) {
+        run_fmu(setup_, *inputs, setup_.restarts(), next);
+        if (setup_.restarts() && inputs->law.key.empty()) check_restarts(*inputs, next);
+        next += outputs * inputs->rows;
+      }
+    };
+    const ChildEnding ending =
+        run_forked(work, folder.path(), setup_.settings.deadline * static_cast<double>(all.size()));
+    std::vector<RunOutputs> found(all.size());
+    const double* next = results.data();
+    for (std::size_t k = 0; k < all.size(); ++k)
+      for (std::size_t i = 0; i < outputs && ending.trouble.empty(); ++i, next += all[k]->rows)
+        found[k].outputs.emplace_back(next, next + all[k]->rows);
     if (!ending.trouble.empty())
-      return {{},
-              fmt::format("{}: {}{}{}", setup_.settings.file.string(), ending.trouble,
-                          ending.messages.empty() ? "" : "; it wrote: ", ending.messages)};
-    RunOutputs found;
-    for (std::size_t i = 0; i < outputs; ++i)
-      found.outputs.emplace_back(results.data() + i * inputs.rows,
-                                 results.data() + (i + 1) * inputs.rows);
+      for (auto& one : found)
+        one.trouble = fmt::format("{}: {}{}{}", setup_.settings.file.string(), ending.trouble,
+                                  ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
     return found;
   }
 
- private:
   void check_step() const {
     const double fixed = *setup_.description.fixed_step;
     const double count = std::round(setup_.settings.step / fixed);

@@ -18,6 +18,13 @@
 namespace rths::foreign {
 namespace {
 
+// Numbers of all results together: 16 MB. A fork copies the tables of the pages of this process.
+constexpr std::size_t kMostKept = 2'000'000;
+
+std::size_t size_of(const RunOutputs& run) {
+  return run.outputs.empty() ? 1 : run.outputs.size() * run.outputs[0].size();
+}
+
 void append(const void* bytes, std::size_t count, std::string& text) {
   text.append(static_cast<const char*>(bytes), count);
 }
@@ -49,7 +56,7 @@ double largest_difference(const RunOutputs& one, const RunOutputs& other) {
 Runs::Runs(std::unique_ptr<Simulation> simulation, std::size_t most)
     : simulation_{std::move(simulation)}, most_{most} {}
 
-std::vector<const RunOutputs*> Runs::results(const std::vector<RunInputs>& wanted) {
+std::vector<RunOutputs> Runs::results(const std::vector<RunInputs>& wanted) {
   const std::lock_guard lock{mutex_};
   std::vector<std::string> keys;
   std::vector<const RunInputs*> missing;
@@ -64,9 +71,18 @@ std::vector<const RunOutputs*> Runs::results(const std::vector<RunInputs>& wante
   }
   std::vector<RunOutputs> made(missing.size());
   run_all(missing, made);
-  for (std::size_t i = 0; i < made.size(); ++i) known_[missing_keys[i]] = std::move(made[i]);
-  std::vector<const RunOutputs*> results;
-  for (const auto& key : keys) results.push_back(&known_.at(key));
+  for (std::size_t i = 0; i < made.size(); ++i) {
+    kept_ += size_of(made[i]);
+    known_[missing_keys[i]] = std::move(made[i]);
+    order_.push_back(missing_keys[i]);
+  }
+  std::vector<RunOutputs> results;
+  for (const auto& key : keys) results.push_back(known_.at(key));
+  for (; kept_ > kMostKept && order_.size() > 1; order_.pop_front()) {
+    const auto oldest = known_.find(order_.front());
+    kept_ -= size_of(oldest->second);
+    known_.erase(oldest);
+  }
   return results;
 }
 
@@ -78,29 +94,32 @@ void Runs::run_all(const std::vector<const RunInputs*>& missing, std::vector<Run
         most_, missing.size())};
   const WallClock clock;
   const TimePoint begin = clock.now();
+  const std::size_t count = missing.size(), workers = std::min(processors(), count);
+  const std::size_t share = simulation_->prefers_several() ? (count + workers - 1) / workers : 1;
   std::atomic<std::size_t> next{0};
-  std::vector<std::exception_ptr> problems(missing.size());
+  std::vector<std::exception_ptr> problems(count);
   const auto work = [&] {
-    for (std::size_t i = next++; i < missing.size(); i = next++) try {
-        made[i] = simulation_->run(*missing[i]);
+    for (std::size_t i = next.fetch_add(share); i < count; i = next.fetch_add(share)) try {
+        auto results =
+            simulation_->run_each(std::span{missing}.subspan(i, std::min(share, count - i)));
+        std::move(results.begin(), results.end(), made.begin() + static_cast<std::ptrdiff_t>(i));
       } catch (...) {
         problems[i] = std::current_exception();
-        next = missing.size();
+        next = count;
       }
   };
   std::vector<std::jthread> others;
-  for (std::size_t i = 1; i < std::min(processors(), missing.size()); ++i)
-    others.emplace_back(work);
+  for (std::size_t i = 1; i < workers; ++i) others.emplace_back(work);
   work();
   others.clear();
   for (const auto& problem : problems)
     if (problem) std::rethrow_exception(problem);
-  made_ += missing.size();
+  made_ += count;
   seconds_ += to_seconds(clock.now() - begin);
 }
 
 void Runs::check_repeats(const RunInputs& wanted) {
-  const RunOutputs& known = result(wanted);
+  const RunOutputs known = result(wanted);
   if (!known.trouble.empty()) throw Error{known.trouble};
   std::vector<RunOutputs> again(1);
   run_all({&wanted}, again);

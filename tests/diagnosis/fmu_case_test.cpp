@@ -101,7 +101,6 @@ velocity = "v"
 };
 
 constexpr const char* kAtInput = "force = \"F\"\n";
-constexpr const char* kAtState = "state = \"v\"\n";
 
 void expect_drag(const Verdict& found, double coefficient) {
   ASSERT_EQ(found.conclusion.causes.size(), 1U) << found.sentence;
@@ -130,12 +129,6 @@ TEST_F(FmuCase, NamesAForceThatItLacksAtAPortAndRunsImproved) {
   ASSERT_TRUE(files.improved);
   const Verdict improved = diagnose(load_case(*files.improved));
   EXPECT_EQ(improved.conclusion.outcome, Outcome::None) << improved.sentence;
-}
-
-TEST_F(FmuCase, NamesAForceThatItLacksAtAState) {
-  record([](double, double v) { return 20 * std::abs(v) * v; });
-
-  expect_drag(verdict(kAtState), 20);
 }
 
 TEST_F(FmuCase, IsRefusedIfUnitsOrPortsAreWrong) {

@@ -131,9 +131,9 @@ TEST_F(RunsTest, MakeEachRunOnceAndKeepTheOrder) {
   const auto results = runs.results({other, three_rows(), other});
   static_cast<void>(runs.result(other));
 
-  EXPECT_EQ(results[0]->outputs[0][1], 200);
-  EXPECT_EQ(results[1]->outputs[0][1], 20);
-  EXPECT_EQ(results[2], results[0]);
+  EXPECT_EQ(results[0].outputs[0][1], 200);
+  EXPECT_EQ(results[1].outputs[0][1], 20);
+  EXPECT_EQ(results[2].outputs, results[0].outputs);
   EXPECT_EQ(runs.made(), 2U);
   EXPECT_EQ(test::content_of(folder_.path() / "count"), "run\nrun\n");
 }

@@ -54,7 +54,7 @@ Record ForeignModel::predicted(const Record& record, bool is_first) const {
     write_message(fmt::format("The simulation runs in {:.2g} s, at most {} times, {} at a time.\n",
                               runs_->seconds() / static_cast<double>(runs_->made()), runs_->most(),
                               foreign::processors()));
-  const foreign::RunOutputs& result = runs_->result(run);
+  const foreign::RunOutputs result = runs_->result(run);
   if (!result.trouble.empty()) throw Error{fmt::format("{}: {}", record.name, result.trouble)};
   std::vector<std::string> units;
   for (const auto& role : read_.outputs) units.push_back(channel_of(record, role).unit);

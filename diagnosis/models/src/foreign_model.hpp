@@ -37,7 +37,7 @@ class ForeignModel {
   [[nodiscard]] Record predicted(const Record& record, bool is_first) const;
 
   /// Results of several runs. @param wanted  with signals in the order of `inputs()`
-  [[nodiscard]] std::vector<const foreign::RunOutputs*> results(
+  [[nodiscard]] std::vector<foreign::RunOutputs> results(
       const std::vector<foreign::RunInputs>& wanted) const {
     return runs_->results(wanted);
   }

@@ -147,7 +147,7 @@ bool ForeignSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   for (const auto& point : points) runs.push_back(run_at(point));
   const auto results = foreign_.results(runs);
   std::vector<MatrixXd> of_terms;
-  if (!take(*results[0]) || !outputs_.run(values, downstream, prediction, of_terms)) return false;
+  if (!take(results[0]) || !outputs_.run(values, downstream, prediction, of_terms)) return false;
   derivatives.assign(wanted.size(), {});
   const auto place_of = [&](Index free) {
     return static_cast<std::size_t>(std::find(wanted.begin(), wanted.end(), free) - wanted.begin());
@@ -157,7 +157,7 @@ bool ForeignSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   for (std::size_t i = 0; i < upstream.size(); ++i) {
     MatrixXd beside;
     const VectorXd& point = points[i + 1];
-    if (!take(*results[i + 1]) || !outputs_.run(point, {}, beside, of_terms)) return false;
+    if (!take(results[i + 1]) || !outputs_.run(point, {}, beside, of_terms)) return false;
     derivatives[place_of(upstream[i])] =
         (beside - prediction) / (point[upstream[i]] - values[upstream[i]]);
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -12,8 +13,8 @@
 
 namespace rths::foreign {
 
-/// Runs of one simulation: each different one is made once, several at the same time, up to a
-/// number that the user allows.
+/// Runs of one simulation: several at the same time, up to a number that the user allows. A run
+/// whose results are still kept is not made again; those of the oldest runs are dropped.
 class Runs {
  public:
   /// @param most  runs, at most
@@ -21,8 +22,8 @@ class Runs {
 
   /// Results in the order of the requests, which does not depend on the number of processors.
   /// @throws Error if the runs are spent; Interrupted   @any_thread
-  [[nodiscard]] std::vector<const RunOutputs*> results(const std::vector<RunInputs>& wanted);
-  [[nodiscard]] const RunOutputs& result(const RunInputs& wanted) { return *results({wanted})[0]; }
+  [[nodiscard]] std::vector<RunOutputs> results(const std::vector<RunInputs>& wanted);
+  [[nodiscard]] RunOutputs result(const RunInputs& wanted) { return results({wanted})[0]; }
 
   /// Makes a run again.
   /// @throws Error if the run fails, or its outputs are other ones   @setup
@@ -40,6 +41,8 @@ class Runs {
   double seconds_ = 0;
   std::mutex mutex_;
   std::map<std::string, RunOutputs> known_;  ///< by the hash of the inputs
+  std::deque<std::string> order_;            ///< of their hashes, oldest first
+  std::size_t kept_ = 0;                     ///< numbers in `known_`
 };
 
 /// Runs at the same time: one for each processor of this process.

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -51,6 +52,16 @@ class Simulation {
   virtual ~Simulation() = default;
   /// @throws Interrupted   @any_thread
   [[nodiscard]] virtual RunOutputs run(const RunInputs& inputs) const = 0;
+  /// Several runs, one after the other.
+  /// @throws Interrupted   @any_thread
+  [[nodiscard]] virtual std::vector<RunOutputs> run_each(
+      std::span<const RunInputs* const> all) const {
+    std::vector<RunOutputs> results;
+    for (const RunInputs* inputs : all) results.push_back(run(*inputs));
+    return results;
+  }
+  /// Whether `run_each` takes less time than as many runs.
+  [[nodiscard]] virtual bool prefers_several() const { return false; }
 };
 
 }  // namespace rths::foreign
