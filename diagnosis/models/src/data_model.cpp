@@ -101,6 +101,7 @@ class DataReader {
       connection.like_input = static_cast<std::size_t>(like - model.inputs.begin());
     else
       connection.is_of_unit_mass = true;
+    connection.is_port = true;
     model.connections.push_back(std::move(connection));
   }
 

@@ -261,6 +261,8 @@ std::vector<FreeForm> dynamic_forms(const DynamicModel& model, const DynamicSize
   for (std::size_t i = 0; i < model.connections.size(); ++i) {
     const ConnectionSize& size = sizes.connections[i];
     if (!(size.displacement > 0 && size.velocity > 0 && size.force > 0)) continue;
+    // A drawn law has a dozen parameters, and each of them costs a run.
+    if (model.connections[i].is_port) continue;
     for (const auto& kind : kKinds) forms.push_back(form_of(kind, model.connections[i], size));
     forms.push_back(periodic_form(model.connections[i], size));
   }

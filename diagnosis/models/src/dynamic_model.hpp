@@ -42,8 +42,8 @@ struct Connection {
   /// Input or output with the size of its force. None: the size is that of the linear spring and
   /// damper, or of the moving mass.
   std::optional<std::size_t> like_input, like_output;
-  /// A port of a foreign simulation with unknown forces: their size is that of a unit mass in its
-  /// motion.
+  bool is_port = false;  ///< of a simulation that runs
+  /// A port with unknown forces: their size is that of a unit mass in its motion.
   bool is_of_unit_mass = false;
 };
 
