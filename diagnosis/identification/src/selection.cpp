@@ -89,7 +89,7 @@ class Selector {
     begin_stage("fit without missing terms");
     // The noise of the residual depends on the fitted model, not on the stated one.
     current_ = fitted(problem_, stated_, folds_.first, kShortFit);
-    problem_.renew_noise(current_);
+    problem_.renew_noise(current_, kDrawsOfRound);
     selection_.base = fitted(problem_, current_, folds_.both, kLongFit);
     current_ = fitted(problem_, current_, folds_.first, kShortFit);
     unexplained_ = current_;
@@ -115,7 +115,7 @@ class Selector {
     if (selection_.rounds.empty()) selection_.first = ranked_of(round);
     selection_.rounds.push_back(std::move(round));
     current_ = selection_.rounds.back().chosen.fitted;
-    problem_.renew_noise(current_);
+    problem_.renew_noise(current_, kDrawsOfRound);
   }
 
   // Of two large effects, a fit with one alone imitates the other, which fails on another record.
@@ -145,7 +145,7 @@ class Selector {
     }
     selection_ = selection;
     current_ = before;
-    problem_.renew_noise(current_);
+    problem_.renew_noise(current_, kDrawsOfRound);
     return won && !depends_on(won->chosen.candidate, one.candidate) && add_alone(std::move(*won));
   }
 
@@ -315,7 +315,7 @@ class Selector {
     if (holds_ties) keep_in_tie(*won, holder);
     rounds[index] = std::move(*won);
     current_ = rounds[index].chosen.fitted;
-    problem_.renew_noise(current_);
+    problem_.renew_noise(current_, kDrawsOfRound);
     return is_same(rounds[index].chosen.candidate, holder);
   }
 
@@ -345,7 +345,7 @@ class Selector {
       std::erase_if(rounds, is_part);
       current_ = whole.fitted;
       rounds.push_back({std::move(whole), {}, {}});
-      problem_.renew_noise(current_);
+      problem_.renew_noise(current_, kDrawsOfRound);
     }
   }
 
