@@ -143,6 +143,8 @@ Candidate candidate_of(const CandidateTerm& entry, const TermSite& site, bool is
                                              0.1 * std::abs(choice.starts[0]) * size));
     FreeParameter& freed = candidate.frees.back();
     freed.unit = site.symbols.of(parameter.unit);
+    if (freed.unit.starts_with(sim::kChannelUnit))
+      freed.unit.replace(0, sim::kChannelUnit.size(), site.symbols.force);
     if (choice.low < choice.high) {
       freed.low = std::max(freed.low, choice.low * size);
       freed.high = std::min(freed.high, choice.high * size);
