@@ -81,8 +81,10 @@ Json alternative_json(const diagnosis::Alternative& alternative) {
 Json cause_json(const diagnosis::Cause& cause) {
   Json parameters = Json::object();
   for (const auto& p : cause.parameters)
-    parameters[p.name] = {
-        {"value", number(p.value)}, {"ci95", interval({p.low, p.high})}, {"unit", p.unit}};
+    parameters[p.name] = {{"value", number(p.value)},
+                          {"ci95", interval({p.low, p.high})},
+                          {"unit", p.unit},
+                          {"absent", p.absent ? number(*p.absent) : Json(nullptr)}};
   return {{"name", cause.name},
           {"title", cause.title},
           {"equation", cause.equation},
@@ -91,6 +93,9 @@ Json cause_json(const diagnosis::Cause& cause) {
           {"channel", cause.channel},
           {"confidence", number(cause.confidence)},
           {"explained_fraction", number(cause.explained)},
+          {"gain_nat", number(cause.support.gain)},
+          {"lead", number(cause.support.lead)},
+          {"best_share", number(cause.support.best)},
           {"parameters", parameters},
           {"alternatives", each(cause.alternatives, alternative_json)}};
 }
@@ -114,6 +119,17 @@ Json proof_json(const diagnosis::ProofSummary& proof) {
           {"systematic", proof.is_systematic},
           {"noise_at_rest", proof.has_noise_at_rest},
           {"noise_known", proof.is_noise_known}};
+}
+
+Json relation_json(const diagnosis::RelationVerdict& relation) {
+  return {{"name", relation.name},
+          {"outputs", relation.outputs},
+          {"verdict", name_of(relation.outcome)},
+          {"remainder", relation.has_remainder},
+          {"causes", relation.causes},
+          {"held_out", relation.is_held_out},
+          {"left_nat", number(relation.left)},
+          {"proof", proof_json(relation.proof)}};
 }
 
 Json refitted_json(const diagnosis::Refitted& parameter) {
@@ -220,6 +236,7 @@ Json verdict_numbers(const Verdict& verdict) {
   json["budget"] = budget_json(verdict.budget);
   json["improved_response"] = bands_json(verdict.bands);
   json["causes"] = each(verdict.conclusion.causes, cause_json);
+  json["relations"] = each(verdict.relations, relation_json);
   json["fit"] = Json::object();
   for (const auto& score : verdict.evaluation.fit) json["fit"][score.record] = score_json(score);
   json["refitted"] = Json::object();

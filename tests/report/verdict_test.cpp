@@ -86,6 +86,43 @@ TEST(VerdictJson, DescribesTheFormOfAnUnknownCause) {
   EXPECT_EQ(form["x"].size(), form["band"].size());
 }
 
+TEST(VerdictJson, TellsWhatEachRelationShows) {
+  diagnosis::Verdict verdict = missing_verdict();
+  verdict.relations = {{"motion to force",
+                        {"force.long"},
+                        diagnosis::Outcome::Missing,
+                        true,
+                        {"coulomb_friction"},
+                        true,
+                        12.5,
+                        {0.09, 0.006, std::nan(""), 0.99, false, false, false}}};
+
+  const auto relation = parsed(verdict)["relations"][0];
+
+  EXPECT_EQ(relation["name"], "motion to force");
+  EXPECT_EQ(relation["outputs"][0], "force.long");
+  EXPECT_EQ(relation["verdict"], "missing");
+  EXPECT_EQ(relation["remainder"], true);
+  EXPECT_EQ(relation["causes"][0], "coulomb_friction");
+  EXPECT_EQ(relation["left_nat"], 12.5);
+  EXPECT_EQ(relation["proof"]["nrmse_after"], 0.006);
+  EXPECT_TRUE(relation["proof"]["noise_floor"].is_null());
+}
+
+TEST(VerdictJson, HoldsWhatSpeaksForACause) {
+  diagnosis::Verdict verdict = missing_verdict();
+  auto& cause = verdict.conclusion.causes[0];
+  cause.support = {310.5, 0.25, 0.75};
+  cause.parameters[0].absent = 0;
+
+  const auto told = parsed(verdict)["causes"][0];
+
+  EXPECT_EQ(told["gain_nat"], 310.5);
+  EXPECT_EQ(told["lead"], 0.25);
+  EXPECT_EQ(told["best_share"], 0.75);
+  EXPECT_EQ(told["parameters"]["coulomb_friction.friction_force"]["absent"], 0);
+}
+
 TEST(VerdictJson, HasNullForNanAndInfinity) {
   diagnosis::Verdict verdict = none_verdict();
   verdict.evaluation.fit[0].noise_floor = std::nan("");

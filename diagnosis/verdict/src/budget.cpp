@@ -9,6 +9,7 @@
 #include <rths/sim/composition.hpp>
 #include <rths/verdict/verdict.hpp>
 
+#include "confidence.hpp"
 #include "report.hpp"
 
 namespace rths::diagnosis {
@@ -177,7 +178,7 @@ void name_transfer_system(Verdict& verdict) {
   conclusion.outcome = Outcome::Missing;
   std::erase(conclusion.unexplained, kDisplacement);
   conclusion.has_remainder = !conclusion.unexplained.empty();
-  conclusion.confidence = confidence_in(conclusion.causes);
+  conclusion.confidence = confidence_in_outcome(conclusion, true);
   verdict.sentence = transfer_sentence(verdict, transfer_text(verdict.budget));
 }
 

@@ -26,6 +26,7 @@
 #include <rths/sim/term.hpp>
 
 #include "check_records.hpp"
+#include "confidence.hpp"
 #include "deviations.hpp"
 #include "improved.hpp"
 #include "limits.hpp"
@@ -312,7 +313,9 @@ Conclusion conclude(const AllFindings& all, const Ranking& ranking, std::vector<
   conclusion.where = std::move(where);
   if (shown.is_named()) conclusion.where.part = shown.selection.rounds[0].chosen.candidate.part;
   if (!lattices.empty()) name_lattices(lattices, conclusion);
-  conclusion.confidence = confidence_in(conclusion.causes);
+  conclusion.confidence = confidence_in_outcome(
+      conclusion, std::all_of(all.begin(), all.end(),
+                              [](const auto& found) { return found->problem->is_noise_known(); }));
   return conclusion;
 }
 
@@ -351,6 +354,9 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
     append(ablation_of(*found, reduced), verdict.ablation);
     if (found == &shown) verdict.evaluation = evaluation_of(shown, reduced);
   }
+  verdict.relations = {verdict_of(shown)};
+  for (const auto& found : all)
+    if (found.get() != &shown) verdict.relations.push_back(verdict_of(*found));
   Where where = where_of(shown, c.map);
   verdict.evidence = evidence_of(all, shown);
   verdict.descriptions = descriptions_of(all, shown);

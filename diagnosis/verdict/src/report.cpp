@@ -9,17 +9,29 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/identification/constants.hpp>
 #include <rths/identification/intervals.hpp>
 #include <rths/identification/relation_findings.hpp>
 #include <rths/identification/scores.hpp>
 
+#include "confidence.hpp"
 #include "where.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
 constexpr std::size_t kMostEvidence = 10;
+
+Support support_of(const SelectionRound& round) {
+  const ScoredCandidate& chosen = round.chosen;
+  Support support{chosen.gain, 1, std::min(1.0, chosen.confidence)};
+  // What contains the chosen one supports it.
+  for (const auto& other : round.others)
+    if (!contains(other.candidate.contains, chosen.candidate.name))
+      support.lead = std::min(support.lead, 1 - other.gain / std::max(chosen.gain, 1e-300));
+  return support;
+}
 
 Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimates,
                double explained) {
@@ -35,26 +47,14 @@ Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimat
     cause.alternatives.push_back({tied.candidate.name, tied.candidate.title,
                                   tied.gain / std::max(round.chosen.gain, 1e-300), "", 0});
   cause.explained = explained;
+  cause.support = support_of(round);
   for (const auto& wanted : candidate.frees)
     for (const auto& estimate : estimates)
-      if (estimate.name == wanted.name) cause.parameters.push_back(estimate);
+      if (estimate.name == wanted.name) {
+        cause.parameters.push_back(estimate);
+        cause.parameters.back().absent = wanted.absent;
+      }
   return cause;
-}
-
-// How often a name like this one is right. Tied candidates share it, whatever their order. A cause
-// that explains less than what remains imitates it as likely as not.
-double confidence_in(const SelectionRound& round, const RelationFindings& found, double explained) {
-  const auto rivals = static_cast<double>(round.tied.size());
-  double confidence = kMostSure;
-  if (rivals > 0) confidence *= std::max(round.chosen.confidence, 1 / (1 + rivals));
-  if (found.has_remainder()) {
-    confidence *= found.is_unknown() ? kBesideUnknown : kBesideRemainder;
-    const double remainder = 1 - found.proof.explained();
-    confidence *= explained / std::max(explained + remainder, 1e-300);
-  }
-  if (!found.proof.is_held_out) confidence *= kWithoutProof;
-  if (!found.problem->is_noise_known()) confidence *= kNoiseUnknown;
-  return confidence;
 }
 
 std::vector<Refitted> refitted_of(const RelationFindings& found) {
@@ -202,8 +202,15 @@ void add_descriptions(const RelationFindings& found, std::vector<Description>& d
 // A floor of noise that is not known is no number.
 void forget_floors(Evaluation& evaluation) {
   if (evaluation.proof.is_noise_known) return;
-  evaluation.proof.floor = std::nan("");
   for (auto& score : evaluation.fit) score.noise_floor = std::nan("");
+}
+
+ProofSummary summary_of(const RelationFindings& found) {
+  const Proof& proof = found.proof;
+  const bool is_known = found.problem->is_noise_known();
+  return {proof.before,      proof.after,           is_known ? proof.floor : std::nan(""),
+          proof.explained(), proof.is_systematic(), found.problem->has_colour(),
+          is_known};
 }
 
 bool has_result(const RelationFindings& found) { return found.is_named() || found.is_unknown(); }
@@ -285,13 +292,31 @@ std::vector<Cause> causes_of(const RelationFindings& found, const MatrixXd& cova
   double total = 0;
   for (const auto& round : selection.rounds) total += std::max(0.0, round.chosen.gain);
   const auto estimates = estimates_of(selection.named, covariance);
+  const RelationVerdict relation = verdict_of(found);
   for (const auto& round : selection.rounds) {
     const double explained =
         found.proof.explained() * std::max(0.0, round.chosen.gain) / std::max(total, 1e-300);
     causes.push_back(cause_of(round, estimates, explained));
-    causes.back().confidence = confidence_in(round, found, explained);
+    causes.back().confidence = confidence_in(causes.back(), relation);
   }
   return causes;
+}
+
+RelationVerdict verdict_of(const RelationFindings& found) {
+  RelationVerdict verdict;
+  verdict.name = found.relation->name();
+  for (const auto& output : found.relation->outputs()) verdict.outputs.push_back(output.first);
+  verdict.outcome = found.is_unknown() ? Outcome::Unknown
+                    : found.is_named() ? Outcome::Missing
+                                       : Outcome::None;
+  verdict.has_remainder = found.has_remainder();
+  for (const auto& round : found.selection.rounds)
+    verdict.causes.push_back(round.chosen.candidate.name);
+  verdict.is_held_out = found.proof.is_held_out;
+  verdict.left = 0.5 * observations(*found.problem, found.folds.both) *
+                 std::max(0.0, found.selection.variance_named - 1);
+  verdict.proof = summary_of(found);
+  return verdict;
 }
 
 std::vector<std::string> withdrawn_of(const RelationFindings& found) {
@@ -307,13 +332,7 @@ Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& red
   Evaluation evaluation;
   evaluation.refitted = refitted_of(found);
   evaluation.fit = scores_of(*found.problem, found.selection, false);
-  evaluation.proof = {proof.before,
-                      proof.after,
-                      proof.floor,
-                      proof.explained(),
-                      proof.is_systematic(),
-                      found.problem->has_colour(),
-                      found.problem->is_noise_known()};
+  evaluation.proof = summary_of(found);
   evaluation.residual = {proof.whiteness.correlation, proof.whiteness.bound, proof.is_white};
   if (proof.is_held_out) {
     evaluation.proof_record = proof.records.back().record;
@@ -327,12 +346,6 @@ Evaluation evaluation_of(const RelationFindings& found, const ReducedModels& red
   for (std::size_t i = 0; i <= last; ++i)
     add_traces(found, *found.held_out, i, i == last ? reduced : ReducedModels{}, evaluation.traces);
   return evaluation;
-}
-
-double confidence_in(const std::vector<Cause>& causes) {
-  double confidence = kMostSure;
-  for (const auto& cause : causes) confidence = std::min(confidence, cause.confidence);
-  return confidence;
 }
 
 }  // namespace rths::diagnosis

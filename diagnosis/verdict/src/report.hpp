@@ -28,6 +28,9 @@ using AllFindings = std::vector<std::unique_ptr<RelationFindings>>;
 [[nodiscard]] std::vector<Cause> causes_of(const RelationFindings& found,
                                            const MatrixXd& covariance);
 
+/// What a relation shows.
+[[nodiscard]] RelationVerdict verdict_of(const RelationFindings& found);
+
 /// Terms of a relation that were selected and are not named, and the reasons.
 [[nodiscard]] std::vector<std::string> withdrawn_of(const RelationFindings& found);
 
@@ -46,9 +49,6 @@ using ReducedModels = std::vector<std::pair<std::string, Hypothesis>>;
 
 /// Output of a relation without its axis: "displacement", "force".
 [[nodiscard]] std::string output_of(const RelationFindings& found);
-
-/// The lowest confidence of any cause.
-[[nodiscard]] double confidence_in(const std::vector<Cause>& causes);
 
 /// The verdict in one sentence.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict);

@@ -140,11 +140,7 @@ inline constexpr double kReadRange = 0.98;  ///< [-] of the largest reading: a s
 inline constexpr double kOnBound = 1e-3;    ///< [-] of the scale of a size: it lies on the bound
 
 // ---- Confidence in a name
-inline constexpr double kMostSure = 0.97;        ///< [-] nothing is left, proven on unseen records
-inline constexpr double kBesideRemainder = 0.7;  ///< [-] factor: something else is left
-inline constexpr double kBesideUnknown = 0.4;    ///< [-] factor: the rest is unknown
-inline constexpr double kWithoutProof = 0.9;     ///< [-] factor: no record was held out
-inline constexpr double kNoiseUnknown = 0.8;     ///< [-] factor
+inline constexpr double kMostSure = 0.97;  ///< [-] of coarse steps and the transfer system
 
 // ---- Intervals of parameters
 inline constexpr double kLargestInflation = 1e6;  ///< [-] of a variance, by other parameters

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,7 @@ struct Estimate {
   std::string name;  ///< "coulomb_friction_long.friction_force"
   std::string unit;  ///< SI
   double value = 0, low = 0, high = 0;
+  std::optional<double> absent = {};  ///< value without any effect; none: not a size
 };
 
 /// Covariance of the free parameters of a hypothesis that was fitted to a fold, in their units. It

@@ -32,6 +32,14 @@ struct Alternative {
   double sigma = 0;  ///< separation in that test [standard deviations]
 };
 
+/// What speaks for a name, on rows that its term was not fitted to.
+struct Support {
+  double gain = 0;  ///< log-likelihood [nat]
+  double lead = 0;  ///< of the gain over that of the best candidate that is no alternative, over
+                    ///< the gain [-]; 1: none gains half as much
+  double best = 0;  ///< share of the resampled records in which no other candidate gains more [-]
+};
+
 /// A term that the simulation left out.
 struct Cause {
   std::string name;  ///< in the catalogue, or with its channel: "accelerometer_gain"
@@ -42,6 +50,7 @@ struct Cause {
   double confidence = 0;  ///< how often a name like this one is right [-], shared with alternatives
   double explained = 0;   ///< of the energy beyond the noise: the share of all causes, divided in
                           ///< proportion to their gains [-]; NaN: steps of a sensor have none
+  Support support;
   std::vector<Estimate> parameters;
   std::vector<Alternative> alternatives;
 };
@@ -125,6 +134,18 @@ struct ProofSummary {
   bool is_noise_known = true;      ///< measured, stated or guessed; else `floor` means nothing
 };
 
+/// What one relation between the channels shows.
+struct RelationVerdict {
+  std::string name;                  ///< "motion to force"
+  std::vector<std::string> outputs;  ///< roles of the predicted channels
+  Outcome outcome = Outcome::None;
+  bool has_remainder = false;       ///< a systematic residual is left
+  std::vector<std::string> causes;  ///< names
+  bool is_held_out = false;         ///< the proof is one on unseen records
+  double left = 0;                  ///< energy beyond the noise that the named terms leave [nat]
+  ProofSummary proof;
+};
+
 /// The answer of a diagnosis.
 struct Conclusion {
   Outcome outcome = Outcome::None;
@@ -186,6 +207,7 @@ struct Verdict {
   std::string case_name;
   std::string sentence;  ///< the summary
   Conclusion conclusion;
+  std::vector<RelationVerdict> relations;  ///< that of `evaluation` first
   Evaluation evaluation;
   std::vector<Ablation> ablation;
   std::vector<Description> descriptions;    ///< best first

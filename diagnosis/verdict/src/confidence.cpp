@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "confidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rths::diagnosis {
+namespace {
+
+constexpr double kLeastGain = 1e-3;  // [nat]
+
+// Coefficients of benchmarks/results/confidence.json [-]; a test compares them. Each lowers the
+// logarithm of the odds that a name is right.
+constexpr double kMost = 0.99;
+constexpr double kIntercept = 3.616;
+constexpr double kRivals = 0.293;
+constexpr double kRarelyBest = 3.464;
+constexpr double kLeft = 4.425;
+constexpr double kRemainder = 2.304;
+constexpr double kUnknown = 1.101;
+constexpr double kBeside = 0.864;
+constexpr double kNotHeldOut = 1;
+constexpr double kNoiseUnknown = 1.254;
+
+}  // namespace
+
+double confidence_in(const Cause& cause, const RelationVerdict& relation) {
+  const auto rivals = static_cast<double>(cause.alternatives.size());
+  const auto named = static_cast<double>(std::max<std::size_t>(1, relation.causes.size()));
+  double against = kRivals * std::log1p(rivals) + kRarelyBest * (1 - cause.support.best) +
+                   kLeft * std::log1p(relation.left / std::max(cause.support.gain, kLeastGain)) +
+                   kBeside * std::log(named);
+  if (relation.has_remainder) against += kRemainder;
+  if (relation.outcome == Outcome::Unknown) against += kUnknown;
+  if (!relation.is_held_out) against += kNotHeldOut;
+  if (!relation.proof.is_noise_known) against += kNoiseUnknown;
+  return std::min(kMost, 1 / (1 + std::exp(against - kIntercept)));
+}
+
+double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known) {
+  // Shares of such verdicts that were right in the same cases [-]. Where the noise is not known, a
+  // judgement.
+  constexpr double kNone = 0.96, kNoneInUnknownNoise = 0.8, kUnknownOutcome = 0.87;
+  if (!conclusion.causes.empty()) {
+    double lowest = kMost;
+    for (const auto& cause : conclusion.causes) lowest = std::min(lowest, cause.confidence);
+    return lowest;
+  }
+  if (conclusion.outcome == Outcome::Unknown) return kUnknownOutcome;
+  return is_noise_known ? kNone : kNoneInUnknownNoise;
+}
+
+}  // namespace rths::diagnosis

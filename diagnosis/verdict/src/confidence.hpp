@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/verdict/verdict.hpp>
+
+namespace rths::diagnosis {
+
+/// How often a name like this one is right: a logistic function of what speaks against it, fitted
+/// to names in cases with known answers, benchmarks/results/confidence.json.
+/// @param relation  that names the cause
+[[nodiscard]] double confidence_in(const Cause& cause, const RelationVerdict& relation);
+
+/// The lowest confidence of any cause; without causes, how often a verdict like this one is right.
+/// @param is_noise_known  in all relations
+[[nodiscard]] double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known);
+
+}  // namespace rths::diagnosis
