@@ -84,20 +84,35 @@ constexpr char kError = 'e';
   _exit(write(to, text.data(), text.size()) < 0 ? 1 : 0);
 }
 
-// Reads until the end, which is also the end of the child. Empty: the child crashed or took too
-// long.
-std::string await(int from, seconds longest) {
+// What a child answered.
+struct Reply {
+  std::string text;  // empty: it crashed, or was too late
+  bool is_too_late = false;
+};
+
+// Reads until the end, which is also the end of the child.
+Reply await(int from, seconds longest) {
   std::string text;
   std::array<char, 512> chunk{};
   for (const auto deadline = steady_clock::now() + longest;;) {
     const auto left =
         std::chrono::duration_cast<milliseconds>(deadline - steady_clock::now()).count();
     pollfd descriptor{from, POLLIN, 0};
-    if (left <= 0 || poll(&descriptor, 1, static_cast<int>(left)) <= 0) return "";
+    if (left <= 0 || poll(&descriptor, 1, static_cast<int>(left)) <= 0) return {"", true};
     const ssize_t count = read(from, chunk.data(), chunk.size());
-    if (count <= 0) return text;
+    if (count <= 0) return {text, false};
     text.append(chunk.data(), static_cast<std::size_t>(count));
   }
+}
+
+// A reader that uses up its processor time is ended by the system before the clock runs out: one
+// that is late was not run.
+[[noreturn]] void fail_without(const Reply& reply, const std::filesystem::path& file,
+                               seconds longest) {
+  if (reply.is_too_late)
+    throw Error{fmt::format("{}: was not read within {} s: this host was too busy to read it",
+                            file.string(), longest.count())};
+  throw Error{file.string() + ": is damaged: reading it crashed, or took too much time or memory"};
 }
 
 }  // namespace
@@ -118,16 +133,14 @@ bool in_child(const std::filesystem::path& file, const std::function<bool()>& ac
     answer(ends[1], act);
   }
   close(ends[1]);
-  const std::string text =
-      child < 0 ? "" : await(ends[0], seconds{kClockPerProcessor * most_seconds(bytes)});
+  const seconds longest{kClockPerProcessor * most_seconds(bytes)};
+  const Reply reply = child < 0 ? Reply{} : await(ends[0], longest);
   close(ends[0]);
   if (child > 0) kill(child, SIGKILL);
   if (child > 0) waitpid(child, nullptr, 0);
-  if (text.empty())
-    throw Error{file.string() +
-                ": is damaged: reading it crashed, or took too much time or memory"};
-  if (text[0] == kError) throw Error{text.substr(1)};
-  return text[0] == kTrue;
+  if (reply.text.empty()) fail_without(reply, file, longest);
+  if (reply.text[0] == kError) throw Error{reply.text.substr(1)};
+  return reply.text[0] == kTrue;
 }
 
 void probe(const std::filesystem::path& file, const std::function<void()>& read) {

@@ -22,7 +22,7 @@
 #include <rths/recording/recording.hpp>
 
 #include "look.hpp"
-#include "quiet_child.hpp"
+#include "look_process.hpp"
 
 namespace rths::session {
 namespace {
@@ -128,8 +128,9 @@ class LiveDiagnosis {
   }
 
   std::optional<Look> look(TestState state) const {
-    QuietChild child{
-        [&] { return look_at(test_, folder_, settings_.how, state, last_).to_text(); }};
+    LookProcess child{state == TestState::Running ? Priority::Idle : Priority::Usual, [&] {
+                        return look_at(test_, folder_, settings_.how, state, last_).to_text();
+                      }};
     const auto deadline = steady_clock::now() + kLongestLook;
     const int end = state == TestState::Running ? recorder_.descriptor() : -1;
     for (;;) {

@@ -99,6 +99,7 @@ Look Look::from_text(const std::string& text) {
 Look look_at(const LiveTest& test, const std::filesystem::path& folder, const DiagnoseSettings& how,
              TestState state, std::optional<double> last) {
   Look look;
+  look.time = last.value_or(0);
   try {
     const auto so_far = progress_of(Reader{test.recording}, test.rate);
     look.time = so_far.time;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "quiet_child.hpp"
+#include "look_process.hpp"
 
 #include <fcntl.h>
 #include <poll.h>
@@ -51,13 +51,14 @@ bool write_all(int to, const std::string& text) {
 }
 
 // A group of its own: signals of the terminal are for the parent, which passes them on.
-[[noreturn]] void run_as_child(pid_t parent, int to, const std::function<std::string()>& work) {
+[[noreturn]] void run_as_child(pid_t parent, int to, Priority priority,
+                               const std::function<std::string()>& work) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, static_cast<unsigned long>(SIGTERM));
   if (getppid() != parent) _exit(1);
   int code = 1;
   try {
-    run_when_idle();
+    if (priority == Priority::Idle) run_when_idle();
     const std::string result = work();
     code = write_all(to, result) ? 0 : 1;
   } catch (...) {  // NOLINT(bugprone-empty-catch): the parent sees that there is no result
@@ -67,7 +68,7 @@ bool write_all(int to, const std::string& text) {
 
 }  // namespace
 
-QuietChild::QuietChild(const std::function<std::string()>& work) {
+LookProcess::LookProcess(Priority priority, const std::function<std::string()>& work) {
   std::array<int, 2> ends{};
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-vararg)
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw Error{"no pipe for a child process"};
@@ -76,7 +77,7 @@ QuietChild::QuietChild(const std::function<std::string()>& work) {
   pid_ = fork();
   if (pid_ == 0) {
     close(ends[0]);
-    run_as_child(parent, ends[1], work);
+    run_as_child(parent, ends[1], priority, work);
   }
   close(ends[1]);
   output_ = ends[0];
@@ -85,7 +86,7 @@ QuietChild::QuietChild(const std::function<std::string()>& work) {
   throw Error{"no child process for the diagnosis"};
 }
 
-QuietChild::~QuietChild() {
+LookProcess::~LookProcess() {
   close(output_);
   // To end at once it needs a processor; an unprivileged process may be refused that.
   const sched_param none{};
@@ -101,7 +102,7 @@ QuietChild::~QuietChild() {
     }
 }
 
-std::optional<std::string> QuietChild::read_result() {
+std::optional<std::string> LookProcess::read_result() {
   std::array<char, 4096> chunk{};
   for (;;) {
     pollfd readable{output_, POLLIN, 0};

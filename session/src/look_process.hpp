@@ -7,18 +7,23 @@
 
 namespace rths::session {
 
-/// Work in a child process that runs, reads and writes only when no other process wants to, and
-/// that is the first to end if memory is short. It ends with this process. The work shares this
-/// process's memory as it was at the start, but not its locks.
-class QuietChild {
+/// When a child process runs, reads and writes.
+enum class Priority {
+  Idle,  ///< when no other process wants to; it is the first to end if memory is short
+  Usual
+};
+
+/// Work in a child process that ends with this process. The work shares this process's memory as it
+/// was at the start, but not its locks.
+class LookProcess {
  public:
   /// @param work  its result is that of the child; what it throws must not leave it
   /// @throws Error if there is no process or no pipe   @setup
-  explicit QuietChild(const std::function<std::string()>& work);
+  LookProcess(Priority priority, const std::function<std::string()>& work);
   /// Asks a child that still runs to end, and kills it and its children after two seconds.
-  ~QuietChild();
-  QuietChild(const QuietChild&) = delete;
-  QuietChild& operator=(const QuietChild&) = delete;
+  ~LookProcess();
+  LookProcess(const LookProcess&) = delete;
+  LookProcess& operator=(const LookProcess&) = delete;
 
   /// Readable when there is a result, or when the child has ended.
   [[nodiscard]] int output() const { return output_; }
