@@ -52,6 +52,26 @@ Verdict verdict_at(double rate) {
   return diagnose(c);
 }
 
+// The same loop with three rows in each half-cycle, whose noise is not stated.
+Verdict coarsest_at(double rate) {
+  Case c;
+  c.name = "coarsest rows";
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Record record = coarse_record("record " + std::to_string(seed),
+                                  seed == 1 ? Use::Fit : Use::HeldOut, seed, rate);
+    for (Channel& channel : record.channels) {
+      std::vector<double> few;
+      for (std::size_t i = 0; i < channel.values.size(); i += 4) few.push_back(channel.values[i]);
+      channel.values = few;
+    }
+    c.records.push_back(record);
+  }
+  c.model.kind = ModelKind::Bearing;
+  c.model.table = Config::parse("[polynomial_stiffness]\nlinear_N_per_m = 2e6\n", "model");
+  c.model.fitted = {{"polynomial_stiffness.linear", std::nullopt}};
+  return diagnose(c);
+}
+
 std::vector<std::string> names_at(double rate) {
   std::vector<std::string> names;
   for (const auto& cause : verdict_at(rate).conclusion.causes) names.push_back(cause.name);
@@ -77,6 +97,20 @@ TEST(RowsWithAMadeUpRate, HaveTheSameNamesAtEachRate) {
   const auto names = names_at(0);
 
   for (const double rate : {1.0, 8.0, 100.0}) EXPECT_EQ(names_at(rate), names) << rate;
+}
+
+TEST(RowsWithAMadeUpRate, HaveNoVelocityIfTheyAreTooCoarse) {
+  const Verdict none = coarsest_at(0), slow = coarsest_at(1), fast = coarsest_at(100);
+
+  for (const Verdict* verdict : {&slow, &fast}) {
+    EXPECT_EQ(verdict->sentence, none.sentence);
+    EXPECT_TRUE(std::any_of(verdict->limits.begin(), verdict->limits.end(), [](const auto& limit) {
+      return limit.find("too few rows in a cycle") != std::string::npos;
+    }));
+    EXPECT_EQ(std::count(verdict->terms.searched.begin(), verdict->terms.searched.end(),
+                         "viscoelastic_relaxation"),
+              0);
+  }
 }
 
 }  // namespace

@@ -193,6 +193,13 @@ bool has_actuator(const Case& c) {
   });
 }
 
+bool has_terms_of_time(const Case& c) {
+  const auto terms = sim::read_terms(c.model.table.without("bounds"));
+  return std::any_of(terms.begin(), terms.end(), [](const sim::TermSettings& term) {
+    return needs_time(term) || sim::term_kind(term.kind).stage == Stage::Actuator;
+  });
+}
+
 void check_composed_model(const Case& c) {
   const std::vector<std::string> keys{"anchor", "kind", "fitted", "bounds"};
   for (const auto& key : c.model.table.keys())

@@ -328,16 +328,49 @@ ImprovedModel improvement_of(const Case& given, const Case& c, const AllFindings
   return improvement;
 }
 
+// A path with too few rows to guess its noise has no velocity either: its rows are steps of a
+// quasi-static test, whatever their rate is said to be. @returns whether the case lost its times
+bool forget_times(const SensorNoise& noise, Case& c) {
+  const auto& unknown = noise.unknown();
+  const bool is_coarse = std::any_of(unknown.begin(), unknown.end(), [](const std::string& role) {
+    return role.starts_with("displacement.");
+  });
+  const bool is_static = c.model.kind == ModelKind::Bearing || c.model.kind == ModelKind::Platen;
+  if (!is_coarse || !is_static || has_terms_of_time(c)) return false;
+  for (const auto& record : c.records)
+    for (const auto& channel : record.channels)
+      if (const std::string family = family_of(channel.role);
+          !record.has_time || family == "acceleration" || family == "velocity" ||
+          family == "command")
+        return false;
+  for (auto& record : c.records) {
+    record.settle /= record.time_step;
+    record.start = record.time_step = 1;
+    record.has_time = false;
+  }
+  return true;
+}
+
+SensorNoise noise_of(const Case& c, const std::vector<Lattice>& lattices) {
+  std::vector<const Record*> records;
+  for (const auto& record : c.records) records.push_back(&record);
+  return {records, c.noise, rounding_of(lattices)};
+}
+
 // Everything that a case shows, but its name and the time taken.
 Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
                    DiagnosisProgress& progress) {
   Case c = given;
   check_case(c, options.without);
-  const std::vector<std::string> lost = bound_records(c);
-  std::vector<const Record*> noisy;
-  for (const auto& record : c.records) noisy.push_back(&record);
+  std::vector<std::string> lost = bound_records(c);
   auto lattices = coarse_lattices(moving_records(c));
-  const SensorNoise noise{noisy, c.noise, rounding_of(lattices)};
+  SensorNoise noise = noise_of(c, lattices);
+  if (forget_times(noise, c)) {
+    noise = noise_of(c, lattices);
+    lost.emplace_back(
+        "The displacement has too few rows in a cycle for a velocity, so that times are not used: "
+        "laws of a rate were not searched for.");
+  }
   std::erase_if(lattices, [&](const Lattice& lattice) {
     return has_rounding(c, lattice.role) ||
            is_barred(options.without, quantisation_of(lattice), "quantisation");

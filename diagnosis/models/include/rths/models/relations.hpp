@@ -14,6 +14,9 @@ namespace rths::diagnosis {
 /// @throws Error file:line:column, with the nearest known name   @setup
 void check_composed_model(const Case& c);
 
+/// Whether a term of a model of a bearing or platen depends on rates or times.   @setup
+[[nodiscard]] bool has_terms_of_time(const Case& c);
+
 /// Whether the model has an actuator, which predicts displacements from commands.   @setup
 [[nodiscard]] bool has_actuator(const Case& c);
 
