@@ -134,7 +134,7 @@ std::vector<Form> forms(bool has_other, bool has_load, bool has_control) {
 class ResidualView {
  public:
   ResidualView(const TestedHypothesis& tested, const Fold& fold) : tested_{tested}, fold_{fold} {
-    const std::vector<Index> all = all_of(tested.hypothesis());
+    const std::vector<Index> all = movable_of(tested.hypothesis());
     static_cast<void>(tested.evaluate(fold, tested.hypothesis().values, all, residual_, jacobian_));
     const Problem& problem = tested.problem();
     for (std::size_t i = 0; i < problem.records(); ++i) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include <rths/core/text.hpp>
 #include <rths/sim/term.hpp>
 
 namespace rths::diagnosis {
@@ -34,6 +35,15 @@ std::vector<Index> all_of(const Hypothesis& hypothesis) {
   std::vector<Index> all(hypothesis.free.size());
   std::iota(all.begin(), all.end(), Index{0});
   return all;
+}
+
+std::vector<Index> movable_of(const Hypothesis& hypothesis) {
+  std::vector<Index> movable = all_of(hypothesis);
+  std::erase_if(movable, [&](Index i) {
+    const FreeParameter& free = hypothesis.free[static_cast<std::size_t>(i)];
+    return !(free.low < free.high);
+  });
+  return movable;
 }
 
 bool is_same(const Candidate& one, const Candidate& other) {
@@ -67,6 +77,9 @@ Hypothesis extended(const Hypothesis& hypothesis, const Candidate& candidate,
     for (auto& term : result.terms)
       if (term.settings.name == name) term.settings.kind = kind;
   std::vector<double> values(hypothesis.values.begin(), hypothesis.values.end());
+  for (std::size_t i = 0; i < result.free.size(); ++i)
+    if (contains(candidate.replaces, result.free[i].name))
+      result.free[i].low = result.free[i].high = values[i] = 0;
   for (std::size_t i = 0; i < candidate.frees.size(); ++i) {
     const auto& wanted = candidate.frees[i];
     const auto known = std::find_if(result.free.begin(), result.free.end(),

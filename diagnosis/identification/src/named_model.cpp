@@ -17,6 +17,24 @@ bool Selection::has_only_rules() const {
   return std::all_of(rounds.begin(), rounds.end(), is_rule);
 }
 
+std::vector<ScoredCandidate> ranked_of(const SelectionRound& round) {
+  std::vector<ScoredCandidate> all{round.chosen};
+  all.insert(all.end(), round.tied.begin(), round.tied.end());
+  all.insert(all.end(), round.others.begin(), round.others.end());
+  return all;
+}
+
+void drop_named(std::vector<SelectionRound>& rounds) {
+  for (auto& round : rounds) {
+    const auto is_named = [&](const ScoredCandidate& tied) {
+      return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
+        return is_same(other.chosen.candidate, tied.candidate);
+      });
+    };
+    std::erase_if(round.tied, is_named);
+  }
+}
+
 bool is_needed(const Selection& selection, std::size_t index) {
   const Candidate& candidate = selection.rounds[index].chosen.candidate;
   return std::any_of(

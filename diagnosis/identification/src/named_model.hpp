@@ -21,6 +21,12 @@ template <class Wanted>
   return rest;
 }
 
+/// Every candidate of a round, in no order.
+[[nodiscard]] std::vector<ScoredCandidate> ranked_of(const SelectionRound& round);
+
+/// Removes ties with candidates that another round has named.
+void drop_named(std::vector<SelectionRound>& rounds);
+
 /// Whether a round named another hysteresis rule, not an added effect.
 [[nodiscard]] inline bool is_rule(const SelectionRound& round) {
   return round.chosen.candidate.is_rule;

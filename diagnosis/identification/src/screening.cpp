@@ -104,7 +104,7 @@ std::vector<Screened> screen(const TestedHypothesis& given, const Fold& fold,
   const Hypothesis& hypothesis = given.hypothesis();
   TestedHypothesis base{given.problem(), hypothesis};
   base.keep(fold);
-  const std::vector<Index> all = all_of(hypothesis);
+  const std::vector<Index> all = movable_of(hypothesis);
   VectorXd whole;
   MatrixXd jacobian;
   std::vector<Screened> result;

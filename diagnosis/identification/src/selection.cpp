@@ -20,26 +20,6 @@
 namespace rths::diagnosis {
 namespace {
 
-// Every candidate of a round, in no order.
-std::vector<ScoredCandidate> ranked_of(const SelectionRound& round) {
-  std::vector<ScoredCandidate> all{round.chosen};
-  all.insert(all.end(), round.tied.begin(), round.tied.end());
-  all.insert(all.end(), round.others.begin(), round.others.end());
-  return all;
-}
-
-// Removes ties with candidates that another round has named.
-void drop_named(std::vector<SelectionRound>& rounds) {
-  for (auto& round : rounds) {
-    const auto is_named = [&](const ScoredCandidate& tied) {
-      return std::any_of(rounds.begin(), rounds.end(), [&](const SelectionRound& other) {
-        return is_same(other.chosen.candidate, tied.candidate);
-      });
-    };
-    std::erase_if(round.tied, is_named);
-  }
-}
-
 class Selector {
  public:
   Selector(Problem& problem, const Folds& folds, std::uint64_t seed, Selection selection = {})
@@ -57,6 +37,7 @@ class Selector {
     drop_redundant();
     join_parts();
     if (settle()) drop_redundant();
+    replace_parts_of_model();
     drop_named(selection_.rounds);
     std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
     selection_.named = fitted(problem_, current_, folds_.both, kLongFit);
@@ -347,6 +328,42 @@ class Selector {
       rounds.push_back({std::move(whole), {}, {}});
       problem_.renew_noise(current_, kDrawsOfRound);
     }
+  }
+
+  // A law may compensate its special case in the model: of damping with a power of velocity and
+  // friction, the power and the model's own viscous friction imitate both. The law without that
+  // special case, and beside it another candidate, replace it if they predict other rows better.
+  void replace_parts_of_model() {
+    for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
+      const Candidate& law = selection_.rounds[i].chosen.candidate;
+      if (!law.replaces.empty()) continue;
+      for (const Candidate& other : problem_.relation().candidates(selection_.base))
+        if (is_same(other, law) && !other.replaces.empty() && replace_parts(i, other)) break;
+    }
+  }
+
+  // @returns whether the law, which stands for parts of the model, took the place of a round
+  bool replace_parts(std::size_t index, const Candidate& law) {
+    auto& rounds = selection_.rounds;
+    const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[index]; };
+    Hypothesis rest =
+        extended(with_rounds(selection_.base, rounds, is_other, current_), law, law.starts[0]);
+    take_values(current_, rest);
+    begin_stage("parts of the model in " + law.name);
+    Round round{problem_, folds_, Round::Extended{rest, stated_.values}, left_for(rest, rounds),
+                seed_};
+    if (round.ranked().empty()) return false;
+    ScoredCandidate more = std::move(round.ranked()[0]);
+    if (!comparison_.predicts(more.fitted) ||
+        !comparison_.gains(
+            comparison_.scores(current_), comparison_.scores(more.fitted),
+            {comparison_.scatter(more.fitted) * kLeastAcceptedGain / 2, kLeastGainOfAnEvent}))
+      return false;
+    rounds[index].chosen.candidate = law;
+    rounds[index].chosen.fitted = current_ = more.fitted;
+    rounds.push_back({std::move(more), {}, {}});
+    problem_.renew_noise(current_);
+    return true;
   }
 
   // Backward selection: removes candidates that later ones have made redundant.

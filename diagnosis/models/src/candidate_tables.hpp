@@ -69,6 +69,11 @@ inline CandidateTerm after(std::vector<std::string_view> cases, CandidateTerm ro
   row.waits = true;
   return including(std::move(cases), std::move(row));
 }
+/// A row that may also stand in the place of terms that the model has.
+inline CandidateTerm replacing(std::vector<std::string_view> kinds, CandidateTerm row) {
+  row.replaces = std::move(kinds);
+  return row;
+}
 inline CandidateTerm exact(CandidateTerm row) {
   row.is_exact = true;
   return row;

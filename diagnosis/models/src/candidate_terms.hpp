@@ -74,6 +74,8 @@ struct CandidateTerm {
   // NOLINTEND(readability-redundant-member-init)
   bool waits = false;     ///< it is named only if none of its special cases is acceptable
   bool is_exact = false;  ///< its form has no error, such as that of a wrapped number
+  /// Kinds whose fitted sizes in the model it may replace: they are special cases of it.
+  std::vector<std::string_view> replaces = {};  // NOLINT(readability-redundant-member-init)
 };
 
 [[nodiscard]] std::span<const CandidateTerm> candidate_terms();

@@ -37,9 +37,10 @@ const std::vector<CandidateTerm>& machine_entries() {
                                             size("backward_coefficient", 0.002, kEachAxis)})),
       term("quadratic_drag", kOnForce, {size("coefficient", 0.003)}),
       after({"coulomb_friction", "viscous_friction", "quadratic_drag"},
-            term("power_damping", kOnForce,
-                 {size("force", 0.003), shape("exponent", 0.1, 3, {0.4, 1.6}),
-                  fixed("reference_velocity", 1)})),
+            replacing({"viscous_friction", "quadratic_drag"},
+                      term("power_damping", kOnForce,
+                           {size("force", 0.003), shape("exponent", 0.1, 3, {0.4, 1.6}),
+                            fixed("reference_velocity", 1)}))),
       term("gap_contact", kOnForce, {size("stiffness", 0.1), shape("gap", 0.05, 1, {0.5, 0.85})}),
       term("platen_inertia", kOnForce, {size("mass", 0.02, kEachAxis)}),
   };

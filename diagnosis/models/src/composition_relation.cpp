@@ -110,8 +110,11 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
     return channel.role.starts_with("auxiliary.");
   });
   if (control != channels.end()) {
-    scale_.auxiliary_unit = control->unit;
-    for (auto& scale : axis_scales_) scale.auxiliary_unit = control->unit;
+    const std::string name = control->role.substr(control->role.find('.') + 1);
+    for (auto* scale : {&scale_, axis_scales_.data(), &axis_scales_.back()}) {
+      scale->auxiliary_unit = control->unit;
+      scale->auxiliary_name = name;
+    }
   }
   for (const Record* record : records) {
     const auto drive = motion_drive(*record, setup_.channels, setup_.axes, setup_.pace);

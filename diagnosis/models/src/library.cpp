@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 #include "motion_drive.hpp"
 #include "unit_scales.hpp"
@@ -27,6 +28,8 @@ constexpr int kPriceOfRule = 4;
 // Of a slider under its mean load. The recording shows the product of the area and the pressure at
 // which friction changes, not the two.
 constexpr double kContactPressure = 50e6;
+// A branch may relax within a record of any length, whatever the rate of its rows.
+constexpr double kUsualDuration = 40;  // [s]
 
 template <class Names>
 bool holds(const Hypothesis& base, const Names& kinds) {
@@ -85,6 +88,11 @@ class Builder {
     candidate_.title = entry_.title.empty() ? kind_.title : entry_.title;
     if (is_on_channel(kind_))
       candidate_.title = fmt::format("{} ({})", kind_.title, channel_name(place_).channel);
+    // Titles of controlled devices speak of a current.
+    constexpr std::string_view kControl = "current";
+    if (const auto at = candidate_.title.find(kControl);
+        (kind_.traits & sim::kControlled) != 0 && at != std::string::npos)
+      candidate_.title.replace(at, kControl.size(), scale_.auxiliary_name);
     candidate_.equation = kind_.equation;
     candidate_.part = part_of(kind_);
     candidate_.channel = channel_name(place_).channel;
@@ -94,7 +102,7 @@ class Builder {
       replace_kind();
     else if (!there.empty() && (entry_.needs & CandidateTerm::kBeside) == 0)
       free_existing(there);
-    else if (!must_be_there)
+    else if (!must_be_there || !there.empty())
       add();
     if (candidate_.frees.empty()) return {};
     candidate_.price = static_cast<int>(candidate_.frees.size());
@@ -135,6 +143,7 @@ class Builder {
   [[nodiscard]] double unit(const sim::Parameter& parameter) const {
     if (parameter.name == "reference_load") return scale_.axial_load;
     if (parameter.unit == "Pa") return kContactPressure;
+    if (parameter.name == "relaxation_time") return scale_.duration / kUsualDuration;
     if (parameter.name == "contact_area" && (entry_.needs & CandidateTerm::kAxialLoad) != 0)
       return scale_.axial_load / kContactPressure;
     return natural_unit(parameter.unit, scale_);
@@ -353,6 +362,24 @@ bool are_met(const CandidateTerm& entry, const Hypothesis& base, const NaturalSc
          !((needs & CandidateTerm::kNoServoLoop) != 0 && holds(base, kServoLoops));
 }
 
+void append_allowed(std::vector<Candidate> candidates, const std::vector<std::string>& without,
+                    std::vector<Candidate>& all) {
+  for (auto& candidate : candidates)
+    if (!contains(without, candidate.name) && !contains(without, candidate.kind))
+      all.push_back(std::move(candidate));
+}
+
+// The same effect in the place of the model's own special cases of it, which it would compensate.
+void add_replacing(const CandidateTerm& entry, const Hypothesis& base,
+                   std::vector<Candidate>& candidates) {
+  auto replaced = replaced_by(entry, base);
+  if (replaced.empty()) return;
+  Candidate whole = candidates[0];
+  whole.price -= static_cast<int>(replaced.size());
+  whole.replaces = std::move(replaced);
+  candidates.push_back(std::move(whole));
+}
+
 // The same effect on one of several axes. One parameter on both axes is simpler than one on one.
 void add_axes(const CandidateTerm& entry, Place place, const Hypothesis& base,
               const std::vector<std::size_t>& axes, const std::vector<NaturalScale>& scales,
@@ -376,15 +403,6 @@ bool is_hysteretic(std::string_view kind) {
   return std::find(std::begin(kHysteretic), std::end(kHysteretic), kind) != std::end(kHysteretic);
 }
 
-double natural_unit(std::string_view unit, const NaturalScale& scale) {
-  if (unit == "s") return scale.time;
-  if (unit == "kg") return scale.force / scale.acceleration;
-  if (unit == "channel/s") return scale.output / scale.duration;
-  return UnitScales{scale.displacement, scale.force, scale.displacement / scale.velocity,
-                    scale.output, scale.auxiliary}
-      .of(unit);
-}
-
 std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const NaturalScale& scale,
                                      const std::vector<std::size_t>& axes,
                                      const std::vector<NaturalScale>& axis_scales,
@@ -394,33 +412,13 @@ std::vector<Candidate> candidates_of(Place place, const Hypothesis& base, const 
     if ((entry.places & place) == 0 || !are_met(entry, base, scale, axes)) continue;
     if (!scale.has_time && needs_time(entry)) continue;
     auto candidates = Builder{entry, place, base, scale, axes}.build();
-    if (!candidates.empty()) add_axes(entry, place, base, axes, axis_scales, candidates);
-    for (auto& candidate : candidates) {
-      const bool barred = std::any_of(without.begin(), without.end(), [&](const auto& name) {
-        return name == candidate.name || name == candidate.kind;
-      });
-      if (!barred) result.push_back(std::move(candidate));
+    if (!candidates.empty()) {
+      add_axes(entry, place, base, axes, axis_scales, candidates);
+      add_replacing(entry, base, candidates);
     }
+    append_allowed(std::move(candidates), without, result);
   }
   return result;
-}
-
-std::pair<std::vector<std::size_t>, std::string> meant_by(const std::string& parameter,
-                                                          const std::vector<ModelTerm>& terms) {
-  const auto dot = parameter.rfind('.');
-  if (dot == std::string::npos)
-    throw Error{fmt::format("'{}' is not a parameter, expected term.parameter", parameter)};
-  const std::string term = parameter.substr(0, dot);
-  std::pair<std::vector<std::size_t>, std::string> meant{{}, parameter.substr(dot + 1)};
-  for (std::size_t i = 0; i < terms.size(); ++i) {
-    const std::string& name = terms[i].settings.name;
-    bool is_meant = name == term;
-    for (std::size_t axis = 0; axis < sim::kHorizontalAxes; ++axis)
-      is_meant = is_meant || name == term + "." + axis_name(axis);
-    if (is_meant) meant.first.push_back(i);
-  }
-  if (meant.first.empty()) throw Error{fmt::format("'{}': there is no term '{}'", parameter, term)};
-  return meant;
 }
 
 }  // namespace rths::diagnosis

@@ -26,7 +26,7 @@ struct NaturalScale {
   bool has_temperature = false;
   double time = 1;  ///< unit of times: 1 s, a time step or a period [s]
   bool has_time = true;
-  std::string auxiliary_unit = "A";
+  std::string auxiliary_unit = "A", auxiliary_name = "current";
 };
 
 /// SI value of a parameter's natural unit, from its unit in the catalogue.
@@ -46,6 +46,10 @@ struct NaturalScale {
                                                    const std::vector<std::size_t>& axes,
                                                    const std::vector<NaturalScale>& axis_scales,
                                                    const std::vector<std::string>& without);
+
+/// The fitted sizes of a model that an effect includes as special cases.
+[[nodiscard]] std::vector<std::string> replaced_by(const CandidateTerm& entry,
+                                                   const Hypothesis& base);
 
 /// Indices of the terms to which a parameter's name refers, and the parameter's own name. The name
 /// "friction.force" refers to the term "friction", or to "friction.long" and "friction.lat".

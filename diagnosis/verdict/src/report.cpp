@@ -57,6 +57,35 @@ Cause cause_of(const SelectionRound& round, const std::vector<Estimate>& estimat
   return cause;
 }
 
+// Beside a remainder, the form of the model is not quite right. Intervals widen with it, and
+// include what the parameters would be beside each candidate that nearly explains the remainder.
+void widen_by_remainder(const RelationFindings& found, std::vector<Estimate>& estimates) {
+  if (!found.has_remainder()) return;
+  constexpr double kMostGrowth = 2;  // the covariance contains the remainder's variance already
+  const double times = found.proof.times_noise();
+  const double growth = found.problem->is_noise_known() && std::isfinite(times)
+                            ? std::clamp(times, 1.0, kMostGrowth)
+                            : 1;
+  for (Estimate& estimate : estimates) {
+    const double below = growth * (estimate.value - estimate.low);
+    const double above = growth * (estimate.high - estimate.value);
+    estimate.low = estimate.value - below;
+    estimate.high = estimate.value + above;
+    for (const ScoredCandidate& beside : found.selection.last)
+      for (std::size_t i = 0; beside.gain > 0 && i < beside.fitted.free.size(); ++i) {
+        if (beside.fitted.free[i].name != estimate.name) continue;
+        const double value = beside.fitted.values[static_cast<Index>(i)];
+        estimate.low = std::min(estimate.low, value - below);
+        estimate.high = std::max(estimate.high, value + above);
+      }
+    for (const FreeParameter& free : found.selection.named.free)
+      if (free.name == estimate.name) {
+        estimate.low = std::max(estimate.low, free.low);
+        estimate.high = std::min(estimate.high, free.high);
+      }
+  }
+}
+
 std::vector<Refitted> refitted_of(const RelationFindings& found) {
   const Hypothesis &stated = found.relation->base(), &before = found.selection.base,
                    &after = found.selection.named;
@@ -291,7 +320,8 @@ std::vector<Cause> causes_of(const RelationFindings& found, const MatrixXd& cova
   const Selection& selection = found.selection;
   double total = 0;
   for (const auto& round : selection.rounds) total += std::max(0.0, round.chosen.gain);
-  const auto estimates = estimates_of(selection.named, covariance);
+  auto estimates = estimates_of(selection.named, covariance);
+  widen_by_remainder(found, estimates);
   const RelationVerdict relation = verdict_of(found);
   for (const auto& round : selection.rounds) {
     const double explained =

@@ -49,6 +49,9 @@ struct Hypothesis {
 /// Indices of all its free parameters.
 [[nodiscard]] std::vector<Index> all_of(const Hypothesis& hypothesis);
 
+/// Indices of those that a candidate has not replaced.
+[[nodiscard]] std::vector<Index> movable_of(const Hypothesis& hypothesis);
+
 /// A physical effect that a simulation may have left out.
 struct Candidate {
   std::string name;  ///< in the verdict: that of the kind, or with its channel: "force_gain"
@@ -60,8 +63,9 @@ struct Candidate {
   std::vector<ModelTerm> adds;
   /// Terms of the model, by name, and the kind that replaces theirs: same parameters and more.
   std::vector<std::pair<std::string, std::string>> becomes;
-  std::vector<FreeParameter> frees;  ///< of the added terms, or of existing ones
-  std::vector<VectorXd> starts;      ///< values of `frees` from which fits begin, at least one
+  std::vector<FreeParameter> frees;   ///< of the added terms, or of existing ones
+  std::vector<std::string> replaces;  ///< sizes of the model in whose place it stands: fixed at 0
+  std::vector<VectorXd> starts;       ///< values of `frees` from which fits begin, at least one
   bool is_hidden = false;  ///< fitted parameters reproduce nearly all of it: screening cannot
                            ///< detect it, only a fit can
   bool is_rule = false;    ///< another hysteresis rule of the model, not an added effect
