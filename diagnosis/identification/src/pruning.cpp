@@ -93,8 +93,7 @@ class Pruning {
         return {{i, "its size lies within the noise of the displacement"}};
       if (is_within_sample(candidate, estimates))
         return {{i, "it shifts signals by less than a tenth of the time between samples"}};
-      if (may_be_absent(candidate, selection_.named, covariance) ||
-          has_no_clear_size(candidate, estimates))
+      if (may_be_absent(candidate, selection_.named, covariance))
         return {{i, "its size may be zero"}};
       if (is_contradicted(candidate, estimates))
         return {{i, "its channel has read more than this limit"}};
@@ -109,19 +108,6 @@ class Pruning {
     const auto found = std::find_if(estimates.begin(), estimates.end(),
                                     [&](const Estimate& one) { return one.name == name; });
     return found == estimates.end() ? nullptr : &*found;
-  }
-
-  // Sizes and shapes together may matter where each size alone is not determined.
-  static bool has_no_clear_size(const Candidate& candidate,
-                                const std::vector<Estimate>& estimates) {
-    bool has_size = false;
-    for (const auto& free : candidate.frees) {
-      const Estimate* size = estimate_of(free.name, estimates);
-      if (!free.absent || size == nullptr) continue;
-      has_size = true;
-      if (*free.absent < size->low || *free.absent > size->high) return false;
-    }
-    return has_size && !candidate.corrects_form;
   }
 
   bool is_within_noise(const Candidate& candidate, const std::vector<Estimate>& estimates) const {
