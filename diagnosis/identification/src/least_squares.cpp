@@ -46,40 +46,15 @@ class Minimiser {
         high_{problem.high.cwiseQuotient(scale_)} {
     at_.x = problem.start.cwiseQuotient(scale_);
     if (!evaluate(at_, true)) throw Error{"least squares: no residual at the start"};
-    slopes_ = Slopes::Exact;
+    has_slopes_ = true;
   }
 
   // @returns false if no step reduces the cost
   bool step() {
-    if (slopes_ == Slopes::None && !find_slopes()) return false;
-    const double damping = damping_;
-    if (try_step()) return true;
-    if (slopes_ != Slopes::Updated) return false;
-    damping_ = damping;
-    return find_slopes() && try_step();
-  }
-  [[nodiscard]] bool has_converged() const {
-    return is_exact_step_ && gain_ <= problem_.tolerance * at_.cost;
-  }
-
-  [[nodiscard]] Fit result(bool converged) {
-    Fit fit{parameters(at_), 2 * at_.cost, {}, at_.residual, converged};
-    if (problem_.wants_jacobian && find_slopes())
-      fit.jacobian = at_.jacobian * scale_.cwiseInverse().asDiagonal();
-    return fit;
-  }
-
- private:
-  // The Jacobian of the present point costs as much as many residuals. Every second one is that of
-  // the point before, with what the step between them has shown (Broyden 1965).
-  enum class Slopes { None, Updated, Exact };
-
-  bool try_step() {
-    constexpr int kAttemptsWhenUpdated = 2;
-    const int most = slopes_ == Slopes::Exact ? kMostAttempts : kAttemptsWhenUpdated;
+    if (!find_slopes()) return false;
     const VectorXd gradient = at_.jacobian.transpose() * at_.residual;
     const MatrixXd H = at_.jacobian.transpose() * at_.jacobian;
-    for (int attempt = 0; attempt < most; ++attempt) {
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
       FitPoint next;
       next.x = at_.x + best_step(gradient, H);
       const VectorXd way = next.x - at_.x;
@@ -92,27 +67,32 @@ class Minimiser {
                                              : damping_,
                               kLeastDamping, kMostDamping);
         gain_ = at_.cost - next.cost;
-        is_exact_step_ = slopes_ == Slopes::Exact;
-        const bool is_as_predicted = ratio > kLeastAgreement && ratio < 1 / kLeastAgreement;
-        slopes_ = is_exact_step_ && is_as_predicted ? Slopes::Updated : Slopes::None;
-        if (slopes_ == Slopes::Updated)
-          next.jacobian = at_.jacobian + (next.residual - at_.residual - at_.jacobian * way) *
-                                             (way.transpose() / way.squaredNorm());
         at_ = std::move(next);
+        has_slopes_ = false;
         return true;
       }
       damping_ = std::min(damping_ * 10, kMostDamping);
     }
     return false;
   }
+  [[nodiscard]] bool has_converged() const { return gain_ <= problem_.tolerance * at_.cost; }
 
+  [[nodiscard]] Fit result(bool converged) {
+    Fit fit{parameters(at_), 2 * at_.cost, {}, at_.residual, converged};
+    if (problem_.wants_jacobian && find_slopes())
+      fit.jacobian = at_.jacobian * scale_.cwiseInverse().asDiagonal();
+    return fit;
+  }
+
+ private:
   [[nodiscard]] VectorXd parameters(const FitPoint& point) const {
     return point.x.cwiseProduct(scale_).cwiseMax(problem_.low).cwiseMin(problem_.high);
   }
 
+  // The Jacobian of the present point, which costs as much as many residuals, only when it is used.
   bool find_slopes() {
-    if (slopes_ != Slopes::Exact) slopes_ = evaluate(at_, true) ? Slopes::Exact : Slopes::None;
-    return slopes_ == Slopes::Exact;
+    has_slopes_ = has_slopes_ || evaluate(at_, true);
+    return has_slopes_;
   }
 
   bool evaluate(FitPoint& point, bool wants_jacobian) const {
@@ -173,8 +153,7 @@ class Minimiser {
   const FitProblem& problem_;
   VectorXd scale_, low_, high_;
   FitPoint at_;
-  Slopes slopes_ = Slopes::None;
-  bool is_exact_step_ = true;  // the last step
+  bool has_slopes_ = false;
   double damping_ = kFirstDamping, gain_ = 0;
 };
 

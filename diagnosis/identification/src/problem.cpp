@@ -139,9 +139,9 @@ std::optional<std::vector<MatrixXd>> Problem::possible_draws(const RecordData& d
   return draws;
 }
 
-void Problem::renew_noise(const Hypothesis& hypothesis, std::size_t most) {
+void Problem::renew_noise(const Hypothesis& hypothesis) {
   for (auto& data : records_) {
-    auto draws = possible_draws(data, hypothesis, most);
+    auto draws = possible_draws(data, hypothesis, data.disturbed.size());
     if (!draws) continue;
     data.draws = *std::move(draws);
     data.noise = std::make_unique<ResidualNoise>(data.draws, *data.drive, has_colour_);

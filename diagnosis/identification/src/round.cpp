@@ -213,7 +213,7 @@ void Round::allow_for_noise() {
     if (noise && *noise - *before > most) most = *noise - *before, noisiest = &scored;
   }
   if (noisiest == nullptr) return;
-  problem_.renew_noise(noisiest->fitted, kDrawsOfRound);
+  problem_.renew_noise(noisiest->fitted);
   base_ = fitted(problem_, base_, folds_.first, kShortFit);
   base_scores_ = scores(problem_, base_, folds_.second);
   for (auto& scored : ranked_) {

@@ -70,7 +70,7 @@ class Selector {
     begin_stage("fit without missing terms");
     // The noise of the residual depends on the fitted model, not on the stated one.
     current_ = fitted(problem_, stated_, folds_.first, kShortFit);
-    problem_.renew_noise(current_, kDrawsOfRound);
+    problem_.renew_noise(current_);
     selection_.base = fitted(problem_, current_, folds_.both, kLongFit);
     current_ = fitted(problem_, current_, folds_.first, kShortFit);
     unexplained_ = current_;
@@ -96,7 +96,7 @@ class Selector {
     if (selection_.rounds.empty()) selection_.first = ranked_of(round);
     selection_.rounds.push_back(std::move(round));
     current_ = selection_.rounds.back().chosen.fitted;
-    problem_.renew_noise(current_, kDrawsOfRound);
+    problem_.renew_noise(current_);
   }
 
   // Of two large effects, a fit with one alone imitates the other, which fails on another record.
@@ -126,7 +126,7 @@ class Selector {
     }
     selection_ = selection;
     current_ = before;
-    problem_.renew_noise(current_, kDrawsOfRound);
+    problem_.renew_noise(current_);
     return won && !depends_on(won->chosen.candidate, one.candidate) && add_alone(std::move(*won));
   }
 
@@ -296,7 +296,7 @@ class Selector {
     if (holds_ties) keep_in_tie(*won, holder);
     rounds[index] = std::move(*won);
     current_ = rounds[index].chosen.fitted;
-    problem_.renew_noise(current_, kDrawsOfRound);
+    problem_.renew_noise(current_);
     return is_same(rounds[index].chosen.candidate, holder);
   }
 
@@ -326,7 +326,7 @@ class Selector {
       std::erase_if(rounds, is_part);
       current_ = whole.fitted;
       rounds.push_back({std::move(whole), {}, {}});
-      problem_.renew_noise(current_, kDrawsOfRound);
+      problem_.renew_noise(current_);
     }
   }
 

@@ -49,9 +49,8 @@ inline constexpr double kOnSteps = 0.97;     ///< [-] of its changes are whole s
 inline constexpr double kPrintedDigits = 0.02;  ///< [steps] error of samples that were printed
 
 // ---- Noise of the residual
-inline constexpr std::size_t kDrawsOfRound = 12;  ///< [draws] while terms are searched for
-inline constexpr std::size_t kFewDraws = 4;       ///< [draws] where only the level matters
-inline constexpr int kResidualOrder = 12;         ///< [-] of its autoregression
+inline constexpr std::size_t kFewDraws = 4;     ///< [draws] where only the level matters
+inline constexpr int kResidualOrder = 12;       ///< [-] of its autoregression
 inline constexpr double kResidualRidge = 1e-9;  ///< [-] of the variance: filters remove bands of it
 inline constexpr double kSmoothingTime = 0.1;   ///< [s] of the deviation over time
 inline constexpr double kPieceTime = 3;         ///< [s] shortest piece of one colour,
@@ -68,8 +67,6 @@ inline constexpr int kLongFit = 12;       ///< [iterations] of a fit that is rep
 inline constexpr int kShortFit = 5;       ///< [iterations] of a fit that is compared
 inline constexpr int kMostAttempts = 10;  ///< [-] at a shorter step
 inline constexpr double kFirstDamping = 1e-4, kLeastDamping = 1e-9, kMostDamping = 1e6;  ///< [-]
-inline constexpr double kLeastAgreement =
-    0.5;  ///< [-] of the decrease that slopes predict: they hold for one more step
 inline constexpr double kLeastDecrease = 1e-2;  ///< [tolerances] of a step that is worth a run
 inline constexpr double kLeastPivot = 1e-12;    ///< [-] of columns of unit length
 inline constexpr double kRankCut = 1e-6;        ///< [-] of the largest singular value

@@ -57,8 +57,7 @@ class Problem {
 
   /// Computes the noise of the residual again for another hypothesis, by sending the sensors' noise
   /// through its model. A record that the model cannot predict keeps its noise.
-  /// @param most  draws
-  void renew_noise(const Hypothesis& hypothesis, std::size_t most = SIZE_MAX);
+  void renew_noise(const Hypothesis& hypothesis);
   /// Residuals of a record due to noise alone at a hypothesis, from a few draws.
   [[nodiscard]] std::vector<MatrixXd> draws_at(const Hypothesis& hypothesis,
                                                std::size_t record) const;
