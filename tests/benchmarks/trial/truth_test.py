@@ -130,7 +130,7 @@ class Laws(unittest.TestCase):
 
     def test_an_input_is_limited_between_samples_too(self):
         limit = next(effect for effect in signal_effects() if (effect.name, effect.where) == ("saturation", INPUT))
-        driven = System._driven(np.array([0.0, 2.0, 0.0]), [Placed(limit, 0, {"limit": 1.0})], 4)
+        driven = System.driven(np.array([0.0, 2.0, 0.0]), [Placed(limit, 0, {"limit": 1.0})], 4)
         self.assertEqual(driven.tolist(), [0, 0.5, 1, 1, 1, 1, 1, 0.5, 0])
 
     def test_a_sine_is_delayed_by_cubic_interpolation(self):
