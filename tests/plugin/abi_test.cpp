@@ -66,12 +66,12 @@ TEST(AdapterAbi, KeepsAllRulesForAnAdapterBuiltAgainstThePreviousHeader) {
 /// Result of a compiler on one file, with all warnings as errors.
 void expect_compiles(const std::string& compiler, const std::string& standard,
                      const std::filesystem::path& file) {
-  const auto include = [](const std::string& adapter) {
-    return "-I" + (test::source_tree() / "adapters" / adapter / "include").string();
+  const auto include = [](const char* folder) {
+    return "-I" + (test::source_tree() / folder / "include").string();
   };
   test::Running running{{"/usr/bin/env", compiler, "-std=" + standard, "-fsyntax-only", "-Wall",
-                         "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", include("plugin"),
-                         include("fmi"), file.string()}};
+                         "-Wextra", "-Wpedantic", "-Wshadow", "-Werror", include("adapters/plugin"),
+                         include("foreign"), file.string()}};
   const auto result = running.wait();
   constexpr int kNoCommand = 127;
   if (result.exit_code == kNoCommand) {
