@@ -186,7 +186,8 @@ void add_diagnosis(Commands& to) {
       ->check(CLI::Range(1, 10'000))
       ->capture_default_str();
   command->add_option("--family", options.families, "Only this family; repeatable")
-      ->check(CLI::IsMember({"own", "opensees", "recordings", "laboratory", "systems"}))
+      ->check(CLI::IsMember(
+          {"own", "opensees", "recordings", "laboratory", "systems", "rows", "outside", "program"}))
       ->take_all()
       ->allow_extra_args(false);
   command->add_option("--seed", options.seed, "Seed of the cases [from the commit]")
