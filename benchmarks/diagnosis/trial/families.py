@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The families of the trial. Each makes a case and its answer from a seed and a number."""
+import importlib
+
 import numpy as np
 
 import slots
@@ -24,31 +26,11 @@ def _opensees(rng, number, seed, folder, sources):
     return {"tier": slot.tier, "kind": slot.kind} | answer
 
 
-def _recordings(rng, number, seed, folder, sources):
-    import recordings
-    return recordings.make(rng, number, folder, sources)
-
-
-def _laboratory(rng, number, seed, folder, sources):
-    import virtual_laboratory
-    return virtual_laboratory.make(rng, number, folder, sources)
-
-
 def _systems(rng, number, seed, folder, sources):
     import systems
     slot = slots.slot(number)
     kind = "linear" if number % 4 == 2 else "mass_spring_damper"
     return {"tier": slot.tier, "kind": slot.kind} | systems.make(rng, slot, folder, sources, kind)
-
-
-def _rows(rng, number, seed, folder, sources):
-    import rows
-    return rows.make(rng, number, folder, sources)
-
-
-def _outside(rng, number, seed, folder, sources):
-    import outside
-    return outside.make(rng, number, folder, sources)
 
 
 def _program(rng, number, seed, folder, sources):
@@ -57,8 +39,15 @@ def _program(rng, number, seed, folder, sources):
     return {"tier": slot.tier, "kind": slot.kind} | program.make(rng, number, slot, folder, sources)
 
 
-MAKERS = {"own": _own, "opensees": _opensees, "recordings": _recordings, "laboratory": _laboratory, "systems": _systems,
-          "rows": _rows, "outside": _outside, "program": _program}
+def _made_by(module):
+    """A maker whose module is imported when it makes its first case."""
+    def make(rng, number, seed, folder, sources):
+        return importlib.import_module(module).make(rng, number, folder, sources)
+    return make
+
+
+MAKERS = {"own": _own, "opensees": _opensees, "recordings": _made_by("recordings"), "laboratory": _made_by("virtual_laboratory"),
+          "systems": _systems, "rows": _made_by("rows"), "outside": _made_by("outside"), "program": _program}
 FAMILIES = tuple(MAKERS)
 CASES_A_TURN = {"systems": 2, "rows": 5}  # of a family whose cases take little time; others have one
 

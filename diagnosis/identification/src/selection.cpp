@@ -334,11 +334,12 @@ class Selector {
   // friction, the power and the model's own viscous friction imitate both. The law without that
   // special case, and beside it another candidate, replace it if they predict other rows better.
   void replace_parts_of_model() {
+    std::vector<Candidate> replacing = problem_.relation().candidates(selection_.base);
+    std::erase_if(replacing, [](const Candidate& candidate) { return candidate.replaces.empty(); });
     for (std::size_t i = 0; i < selection_.rounds.size(); ++i) {
-      const Candidate& law = selection_.rounds[i].chosen.candidate;
-      if (!law.replaces.empty()) continue;
-      for (const Candidate& other : problem_.relation().candidates(selection_.base))
-        if (is_same(other, law) && !other.replaces.empty() && replace_parts(i, other)) break;
+      if (!selection_.rounds[i].chosen.candidate.replaces.empty()) continue;
+      for (const Candidate& law : replacing)
+        if (is_same(law, selection_.rounds[i].chosen.candidate) && replace_parts(i, law)) break;
     }
   }
 

@@ -111,10 +111,12 @@ CompositionRelation::CompositionRelation(CompositionSetup setup,
   });
   if (control != channels.end()) {
     const std::string name = control->role.substr(control->role.find('.') + 1);
-    for (auto* scale : {&scale_, axis_scales_.data(), &axis_scales_.back()}) {
-      scale->auxiliary_unit = control->unit;
-      scale->auxiliary_name = name;
-    }
+    const auto name_control = [&](NaturalScale& scale) {
+      scale.auxiliary_unit = control->unit;
+      scale.auxiliary_name = name;
+    };
+    name_control(scale_);
+    for (auto& scale : axis_scales_) name_control(scale);
   }
   for (const Record* record : records) {
     const auto drive = motion_drive(*record, setup_.channels, setup_.axes, setup_.pace);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/models/barred.hpp>
 
 #include "anchored_relation.hpp"
 #include "dynamic_candidates.hpp"
@@ -204,10 +205,8 @@ class DynamicRelation : public Relation {
   std::vector<Candidate> candidates(const Hypothesis& model) const override {
     auto candidates = dynamic_candidates(model_, sizes_, model);
     std::erase_if(candidates, [&](const Candidate& candidate) {
-      if (has_free_offsets_ && is_offset_of_sensor(candidate)) return true;
-      return std::any_of(without_.begin(), without_.end(), [&](const std::string& name) {
-        return name == candidate.name || name == candidate.kind;
-      });
+      return (has_free_offsets_ && is_offset_of_sensor(candidate)) ||
+             is_barred(without_, candidate.name, candidate.kind);
     });
     return candidates;
   }

@@ -45,28 +45,29 @@ Record ForeignModel::predicted(const Record& record, bool is_first) const {
         !read_.units[i].empty() && unit != read_.units[i])
       throw Error{fmt::format("{}: {} is in {}, but the simulation returns {}", record.name,
                               read_.outputs[i], unit, read_.units[i])};
-  try {
-    if (is_first) runs_->check_repeats(run);
-  } catch (const Error& error) {
-    throw Error{fmt::format("{}: {}", record.name, error.what())};
-  }
-  if (is_first)
+  if (is_first) {
+    try {
+      runs_->check_repeats(run);
+    } catch (const Error& error) {
+      throw Error{fmt::format("{}: {}", record.name, error.what())};
+    }
     write_message(fmt::format("The simulation runs in {:.2g} s, at most {} times, {} at a time.\n",
                               runs_->seconds() / static_cast<double>(runs_->made()), runs_->most(),
                               foreign::processors()));
+  }
   const foreign::RunOutputs result = runs_->result(run);
   if (!result.trouble.empty()) throw Error{fmt::format("{}: {}", record.name, result.trouble)};
-  std::vector<std::string> units;
-  for (const auto& role : read_.outputs) units.push_back(channel_of(record, role).unit);
-  for (const auto& port : read_.ports) {
-    units.push_back(port.displacement_unit);
-    if (!port.velocity.empty()) units.push_back(port.velocity_unit);
-  }
   Record with = record;
-  const auto roles = computed();
-  for (std::size_t i = 0; i < roles.size(); ++i) {
-    std::erase_if(with.channels, [&](const Channel& channel) { return channel.role == roles[i]; });
-    with.channels.push_back({roles[i], units[i], result.outputs[i]});
+  // In the order of `computed()`.
+  auto put = [&, values = result.outputs.begin()](const std::string& role,
+                                                  const std::string& unit) mutable {
+    std::erase_if(with.channels, [&](const Channel& channel) { return channel.role == role; });
+    with.channels.push_back({role, unit, *values++});
+  };
+  for (const auto& role : read_.outputs) put(prediction_of(role), channel_of(record, role).unit);
+  for (const auto& port : read_.ports) {
+    put(port.displacement, port.displacement_unit);
+    if (!port.velocity.empty()) put(port.velocity, port.velocity_unit);
   }
   return with;
 }

@@ -71,9 +71,12 @@ ForeignSimulator::ForeignSimulator(const DynamicModel& model, const ForeignModel
       time_step_{time_step},
       signals_{signals},
       outputs_{model, hypothesis, &sizes_, time_step, signals_} {
-  for (const auto& role : foreign.inputs())
-    inputs_.push_back(static_cast<std::size_t>(
-        std::find(model.inputs.begin(), model.inputs.end(), role) - model.inputs.begin()));
+  const auto place_of = [&](const std::string& role) {
+    return static_cast<std::size_t>(std::find(model.inputs.begin(), model.inputs.end(), role) -
+                                    model.inputs.begin());
+  };
+  for (const auto& role : foreign.inputs()) inputs_.push_back(place_of(role));
+  for (const auto& role : foreign.computed()) computed_.push_back(place_of(role));
   for (const auto& free : free_) {
     const auto at = find_parameter(model, hypothesis.terms, free.name);
     parameter_.push_back(at.of_model);
@@ -116,11 +119,7 @@ foreign::PortLaw ForeignSimulator::law_at(const VectorXd& values) const {
 
 bool ForeignSimulator::take(const foreign::RunOutputs& run) const {
   if (!run.trouble.empty()) return false;
-  const auto roles = foreign_.computed();
-  for (std::size_t i = 0; i < roles.size(); ++i) {
-    const auto at = std::find(model_.inputs.begin(), model_.inputs.end(), roles[i]);
-    signals_.inputs[static_cast<std::size_t>(at - model_.inputs.begin())] = run.outputs[i];
-  }
+  for (std::size_t i = 0; i < computed_.size(); ++i) signals_.inputs[computed_[i]] = run.outputs[i];
   return true;
 }
 

@@ -36,7 +36,8 @@ class ForeignSimulator final : public Simulator {
   DynamicSizes sizes_;
   std::vector<FreeParameter> free_;
   double time_step_;
-  std::vector<std::size_t> inputs_;  ///< of the model, in the order of the foreign one
+  /// Inputs of the model that the foreign one takes and computes, in its order.
+  std::vector<std::size_t> inputs_, computed_;
   /// Parameter of the foreign model that a free one sets; none: of a term.
   std::vector<std::optional<std::size_t>> parameter_;
   std::vector<bool> is_upstream_;  ///< by free parameter: whether it changes the runs

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/text.hpp>
+#include <rths/models/barred.hpp>
 
 #include "motion_drive.hpp"
 #include "unit_scales.hpp"
@@ -365,8 +365,7 @@ bool are_met(const CandidateTerm& entry, const Hypothesis& base, const NaturalSc
 void append_allowed(std::vector<Candidate> candidates, const std::vector<std::string>& without,
                     std::vector<Candidate>& all) {
   for (auto& candidate : candidates)
-    if (!contains(without, candidate.name) && !contains(without, candidate.kind))
-      all.push_back(std::move(candidate));
+    if (!is_barred(without, candidate.name, candidate.kind)) all.push_back(std::move(candidate));
 }
 
 // The same effect in the place of the model's own special cases of it, which it would compensate.
