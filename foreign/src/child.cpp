@@ -27,9 +27,7 @@
 namespace rths::foreign {
 namespace {
 
-constexpr const char* kMessages = "messages.txt";
 constexpr std::streamoff kMostShown = 600;  // of the messages of a program [B]
-constexpr int kLookMilliseconds = 100;      // between looks for an interrupt
 
 constexpr int kNotStarted = 127, kThrew = 126;
 
@@ -150,15 +148,19 @@ ChildEnding watch(const std::function<void()>& main, const std::filesystem::path
     stop_if_interrupted();
     is_late = to_seconds(clock.now() - begin) >= deadline;
   }
-  const int status = group.end();
-  std::string messages = end_of(folder / kMessages);
-  if (!is_late && WIFEXITED(status) && WEXITSTATUS(status) == kThrew) return {messages, ""};
-  return {is_late ? fmt::format("did not end within {:g} s (deadline_s)", deadline)
-                  : trouble_of(status),
-          std::move(messages)};
+  return ending_of(group.end(), is_late ? std::optional{deadline} : std::nullopt, folder);
 }
 
 }  // namespace
+
+ChildEnding ending_of(int status, std::optional<double> deadline,
+                      const std::filesystem::path& folder) {
+  std::string messages = end_of(folder / kMessages);
+  if (!deadline && WIFEXITED(status) && WEXITSTATUS(status) == kThrew) return {messages, ""};
+  return {deadline ? fmt::format("did not end within {:g} s (deadline_s)", *deadline)
+                   : trouble_of(status),
+          std::move(messages)};
+}
 
 ChildEnding run_child(const std::vector<std::string>& command, const std::filesystem::path& folder,
                       double deadline) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,16 @@ struct ChildEnding {
   std::string trouble;   ///< "ended with exit code 2"; empty: exit code 0
   std::string messages;  ///< the end of what it wrote to standard output and error
 };
+
+inline constexpr int kLookMilliseconds = 100;  ///< between looks for an interrupt
+
+/// File of what a program writes to standard output and error, in the folder of its run.
+inline constexpr const char* kMessages = "messages.txt";
+
+/// @param status    as from waitpid
+/// @param deadline  that has passed [s]; none: it ended by itself
+[[nodiscard]] ChildEnding ending_of(int status, std::optional<double> deadline,
+                                    const std::filesystem::path& folder);
 
 /// Runs a program in a folder, in a process group of its own, with empty standard input, until it
 /// ends or the deadline passes. Then no process of the group is left.

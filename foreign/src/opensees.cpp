@@ -45,6 +45,7 @@ std::unique_ptr<Simulation> make_opensees(OpenSeesRunSettings settings) {
   program.files = std::move(settings.files);
   program.recorded = std::move(settings.recorded);
   program.has_motion = true;
+  program.python_script = settings.script;
   return make_program(std::move(program));
 }
 

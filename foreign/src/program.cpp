@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,6 +17,7 @@
 
 #include "child.hpp"
 #include "run_table.hpp"
+#include "warm_python.hpp"
 
 namespace rths::foreign {
 namespace {
@@ -51,9 +53,51 @@ class ProgramSimulation final : public Simulation {
       if (!command[i].empty() && fs::is_regular_file(file, ignored)) command[i] = file.string();
       check_placeholders(command[i]);
     }
+    if (!settings_.python_script.empty())
+      warm_ = std::make_unique<WarmPython>(command[0], settings_.python_script.string());
   }
 
   RunOutputs run(const RunInputs& inputs) const override {
+    if (!warm_ || !trusts_warm_runs()) {
+      RunOutputs results = run_by(&ProgramSimulation::start, inputs);
+      remember(inputs, results);
+      return results;
+    }
+    return run_by(&ProgramSimulation::start_warm, inputs);
+  }
+
+ private:
+  using Start = ChildEnding (ProgramSimulation::*)(const std::vector<std::string>&,
+                                                   const fs::path&) const;
+
+  [[nodiscard]] ChildEnding start(const std::vector<std::string>& command,
+                                  const fs::path& folder) const {
+    return run_child(command, folder, settings_.deadline);
+  }
+  [[nodiscard]] ChildEnding start_warm(const std::vector<std::string>& command,
+                                       const fs::path& folder) const {
+    const std::vector<std::string> arguments{command.begin() + 1, command.end()};
+    const auto ending = warm_->run(arguments, folder, settings_.deadline);
+    return ending ? *ending : start(command, folder);
+  }
+
+  // Whether a run of a warm interpreter has returned the bytes of the first run that had outputs.
+  // The two first ones start anew, so that a difference between them is seen.
+  [[nodiscard]] bool trusts_warm_runs() const {
+    const std::lock_guard lock{mutex_};
+    if (cold_runs_ < 2 || !known_) return false;
+    if (!is_warm_trusted_)
+      is_warm_trusted_ =
+          run_by(&ProgramSimulation::start_warm, known_->first).outputs == known_->second.outputs;
+    return *is_warm_trusted_;
+  }
+  void remember(const RunInputs& inputs, const RunOutputs& results) const {
+    const std::lock_guard lock{mutex_};
+    ++cold_runs_;
+    if (!known_ && results.trouble.empty()) known_.emplace(inputs, results);
+  }
+
+  [[nodiscard]] RunOutputs run_by(Start begin, const RunInputs& inputs) const {
     const TemporaryRun folder;
     folder.write(kInputs, table_of_inputs(inputs, settings_.inputs));
     std::string parameters;
@@ -64,8 +108,7 @@ class ProgramSimulation final : public Simulation {
     if (settings_.has_motion) write_motion(inputs, folder);
     for (const auto& file : settings_.files)
       fs::copy(file, folder.path() / file.filename(), fs::copy_options::recursive);
-    const ChildEnding ending =
-        run_child(command_for(inputs, folder.path()), folder.path(), settings_.deadline);
+    const ChildEnding ending = (this->*begin)(command_for(inputs, folder.path()), folder.path());
     if (!ending.trouble.empty()) return {{}, with_messages(ending.trouble, ending)};
     try {
       if (!settings_.recorded.empty())
@@ -82,7 +125,6 @@ class ProgramSimulation final : public Simulation {
     }
   }
 
- private:
   [[nodiscard]] std::string with_messages(const std::string& trouble,
                                           const ChildEnding& ending) const {
     return fmt::format("{}: {}{}{}", settings_.command[0], trouble,
@@ -161,6 +203,11 @@ class ProgramSimulation final : public Simulation {
   }
 
   ProgramSettings settings_;
+  std::unique_ptr<WarmPython> warm_;  // null: every run starts the program anew
+  mutable std::mutex mutex_;          // of what follows
+  mutable std::size_t cold_runs_ = 0;
+  mutable std::optional<std::pair<RunInputs, RunOutputs>> known_;  // the first with outputs
+  mutable std::optional<bool> is_warm_trusted_;
 };
 
 }  // namespace

@@ -4,6 +4,10 @@
 // stand-in.
 #include <rths/foreign/opensees.hpp>
 
+#include <unistd.h>
+
+#include <sstream>
+
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
@@ -98,6 +102,79 @@ TEST_F(OpenSeesScriptTest, CallsAFunction) {
 
   ASSERT_EQ(result.trouble, "");
   EXPECT_EQ(result.outputs[0], (std::vector<double>{13, 23.5, 34, 44.5}));
+}
+
+// A script whose outputs are 'k', written with the number of the process that has started it.
+class WarmScriptTest : public OpenSeesScriptTest {
+ protected:
+  [[nodiscard]] OpenSeesRunSettings settings_of(const std::string& body) const {
+    OpenSeesRunSettings settings;
+    settings.python = "python3";
+    settings.script =
+        folder_.write("frame.py",
+                      "import os, sys, time\n"
+                      "k = float(sys.argv[1])\n"
+                      "open('" +
+                          started_by() + "', 'a').write('%d\\n' % os.getppid())\n" + body +
+                          "print('0', k, file=open('roof.out', 'w'))\n"
+                          "print('9', k, file=open('roof.out', 'a'))\n");
+    settings.arguments = {"{k}"};
+    settings.inputs = {"ground"};
+    settings.parameters = {"k"};
+    settings.recorded = {{"roof.out", 1, 1}};
+    settings.deadline = 2;
+    return settings;
+  }
+  [[nodiscard]] std::string started_by() const { return (folder_.path() / "parents").string(); }
+  [[nodiscard]] static RunInputs with(double k) {
+    RunInputs inputs = four_rows();
+    inputs.parameters = {k};
+    return inputs;
+  }
+  // Of each run: whether another process than this one has started it.
+  [[nodiscard]] std::vector<bool> were_warm() const {
+    std::vector<bool> warm;
+    std::istringstream parents{test::content_of(started_by())};
+    for (pid_t parent = 0; parents >> parent;) warm.push_back(parent != getpid());
+    return warm;
+  }
+};
+
+TEST_F(WarmScriptTest, ForksAnInterpreterOnceItsRunsAreProvenEqual) {
+  const auto simulation = make_opensees(settings_of(""));
+  for (const double k : {1, 1, 2, 3})
+    EXPECT_EQ(simulation->run(with(k)).outputs[0], std::vector<double>(4, k));
+
+  // Two cold ones, the first one again for the proof, then both others.
+  EXPECT_EQ(were_warm(), (std::vector<bool>{false, false, true, true, true}));
+}
+
+TEST_F(WarmScriptTest, StartsAnewForAScriptThatDiffersInAFork) {
+  const auto simulation =
+      make_opensees(settings_of("k += 'importlib' in sys.modules and '-c' in sys.orig_argv\n"));
+  for (const double k : {1, 1, 2, 3})
+    EXPECT_EQ(simulation->run(with(k)).outputs[0], std::vector<double>(4, k));
+
+  EXPECT_EQ(were_warm(), (std::vector<bool>{false, false, true, false, false}));
+}
+
+TEST_F(WarmScriptTest, SaysWhyAForkHasNoOutputs) {
+  const auto simulation =
+      make_opensees(settings_of("if k == 3: sys.exit('no convergence')\n"
+                                "if k == 4: os.kill(os.getpid(), 11)\n"
+                                "if k == 5: os.fork(), time.sleep(60)\n"
+                                "if k == 6: undefined()\n"));
+  const auto trouble_at = [&](double k) { return simulation->run(with(k)).trouble; };
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(trouble_at(1), "");
+
+  EXPECT_NE(trouble_at(3).find("ended with exit code 1; it wrote: no convergence"),
+            std::string::npos);
+  EXPECT_NE(trouble_at(4).find("was ended by signal 11"), std::string::npos);
+  EXPECT_NE(trouble_at(5).find("did not end within 2 s (deadline_s)"), std::string::npos);
+  EXPECT_NE(trouble_at(6).find("NameError: name 'undefined' is not defined"), std::string::npos);
+  EXPECT_EQ(trouble_at(1), "");
+  EXPECT_EQ(were_warm(),
+            std::vector<bool>({false, false, true, true, true, true, true, true, true}));
 }
 
 TEST_F(OpenSeesScriptTest, RunsOpenSees) {

@@ -26,6 +26,10 @@ struct ProgramSettings {
   std::vector<std::filesystem::path> files = {};         ///< copied to the folder of each run
   std::vector<RecorderColumn> recorded = {};             ///< by output, in place of outputs.csv
   bool has_motion = false;  ///< the placeholders of `make_opensees` too
+  /// If the program is Python: its script. An interpreter then loads once what the script imports,
+  /// and each run is a fork of it. The first two runs start anew; if a fork returns other outputs
+  /// than the first of them, all runs do.
+  std::filesystem::path python_script = {};
 };
 
 /// Each run has an empty folder of its own, in which the program starts:
