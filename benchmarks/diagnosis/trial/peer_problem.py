@@ -45,8 +45,11 @@ def _table(folder, file, channels):
     with open(folder / file) as lines:
         names = lines.readline().strip().split(",")
     values = np.genfromtxt(folder / file, delimiter=",", skip_header=1)
-    found = {}
+    # Rows without time: as if they were sampled at the rate of all others.
+    found = {"time": np.arange(len(values)) / RATE_HZ} if channels["time"] == "none" else {}
     for role, source in channels.items():
+        if source == "none":
+            continue
         name, unit = re.fullmatch(r"(.*) \[(.*)\]", source).groups()
         column = names.index(source) if source in names else names.index(name)
         found[role] = TO_SI[unit] * values[:, column]
