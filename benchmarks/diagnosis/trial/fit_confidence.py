@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fits the confidence in a name to the share of names that are right, on development seeds and recordings.
 
-    fit_confidence.py --json benchmarks/results/confidence.json OUT…
+    fit_confidence.py --json benchmarks/results/confidence.json [--with EARLIER.json] OUT…
 
 OUT: folders of `rths bench diagnosis`, or of cases with a known answer: right.json (case → names that are right) and
 a folder of verdicts beside it. The code has the coefficients (diagnosis/verdict/src/confidence.cpp); a test compares them.
@@ -104,8 +104,12 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("folders", nargs="+", type=pathlib.Path)
     parser.add_argument("--json", type=pathlib.Path)
+    parser.add_argument("--with", dest="earlier", type=pathlib.Path, help="result of an earlier fit, whose names count too")
+    parser.add_argument("--judge", type=pathlib.Path, help="folder of a trial on which the fit is judged, not made")
     options = parser.parse_args()
     names = [one for folder in options.folders for one in named_in(folder) if one["features"]]
+    if options.earlier:
+        names += [{"confidence": math.nan} | one for one in json.loads(options.earlier.read_text())["names_used"]]
     intercept, slopes = fitted(names)
     intercept, slopes = round(intercept, 3), np.round(slopes, 3)
     now = [one | {"confidence": float(value)} for one, value in zip(names, stated(names, intercept, slopes))]
@@ -114,9 +118,12 @@ def main():
               "earlier": [{"features": features, "right": right, "of": of} for features, right, of in EARLIER],
               "intercept": intercept, "coefficients": dict(zip(FEATURES, map(float, slopes))), "most": MOST,
               "reliability": reliability(now), "reliability_cross_checked": reliability(cross_checked(names)),
-              "reliability_before": reliability(names),
+              "reliability_before": reliability([one for one in names if not math.isnan(one["confidence"])]),
               "names_used": [{key: one[key] for key in ("case", "set", "outcome", "name", "right", "features")} for one in names]}
-    for key in ("reliability_before", "reliability", "reliability_cross_checked"):
+    if options.judge:
+        others = [one for one in named_in(options.judge) if one["features"]]
+        result["reliability_judged"] = reliability([one | {"confidence": float(value)} for one, value in zip(others, stated(others, intercept, slopes))])
+    for key in (key for key in result if key.startswith("reliability")):
         print(key)
         for row in result[key]:
             if row["names"]:
