@@ -12,15 +12,15 @@ constexpr double kLeastGain = 1e-3;  // [nat]
 // Coefficients of benchmarks/results/confidence.json [-]; a test compares them. Each lowers the
 // logarithm of the odds that a name is right.
 constexpr double kMost = 0.99;
-constexpr double kIntercept = 3.616;
-constexpr double kRivals = 0.293;
-constexpr double kRarelyBest = 3.464;
-constexpr double kLeft = 4.425;
-constexpr double kRemainder = 2.304;
-constexpr double kUnknown = 1.101;
-constexpr double kBeside = 0.864;
+constexpr double kIntercept = 4.238;
+constexpr double kRivals = 0.86;
+constexpr double kRarelyBest = 1.718;
+constexpr double kLeft = 6.169;
+constexpr double kRemainder = 3.564;
+constexpr double kUnknown = 0.201;
+constexpr double kBeside = 2.449;
 constexpr double kNotHeldOut = 1;
-constexpr double kNoiseUnknown = 1.254;
+constexpr double kNoiseUnknown = 0.681;
 
 }  // namespace
 
