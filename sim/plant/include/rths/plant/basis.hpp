@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <rths/plant/bearings.hpp>
+#include <rths/plant/modes.hpp>
+
+namespace rths::plant {
+
+struct BasisSettings {
+  double frequency_limit = 50;     ///< of the modes on post-yield bearings [Hz]
+  bool has_static_vectors = true;  ///< without them, local forces of the bearings are lost
+  std::size_t tested_bearing = 0;
+};
+
+/// A structure in coordinates q of a reduced basis Ψ, u = Ψ q: the mass is 1 and the stiffness on
+/// the bearings' initial springs diagonal.
+///
+///     modes:   K_L φ = ω² M φ with post-yield springs, up to a frequency
+///     static:  K_I⁻¹ Bᵀ g of 6 patterns in each direction,  K_I⁻¹ M ι,  K_I⁻¹ Bᵀ of the tested one
+///     Ψ = W V,  W: their M-orthonormal basis,  WᵀK_I W = V Λ Vᵀ
+///
+/// Modes alone miss how the mat bends under the forces of its bearings.
+struct Basis {
+  VectorXd stiffness;                      ///< Λ, of each coordinate [1/s²]
+  MatrixXd bearings;                       ///< Ψ at the bearings, 3 × bearings rows [kg^-½]
+  MatrixXd floors;                         ///< Ψ at the floors, 3 × floors rows [kg^-½]
+  MatrixXd participation;                  ///< Ψᵀ M ι, coordinate × 3 [kg^½]
+  VectorXd weights;                        ///< static compression of each bearing [N]
+  VectorXd frequencies;                    ///< of the modes on post-yield springs [Hz]
+  std::array<double, kDirections> mass{};  ///< of the structure in each direction [kg]
+  Index dofs = 0;                          ///< of the structure
+
+  [[nodiscard]] Index coordinates() const { return stiffness.size(); }
+  [[nodiscard]] Index static_vectors() const { return coordinates() - frequencies.size(); }
+};
+
+/// @throws Error if a matrix is not positive definite, or as modes_up_to   @setup
+[[nodiscard]] Basis make_basis(const Structure& structure, const BearingSet& bearings,
+                               const BasisSettings& settings);
+
+/// Static compression of each bearing under the structure's weight, on a factor of K_I [N]. @setup
+[[nodiscard]] VectorXd static_weights(const Structure& structure, const BearingSet& bearings,
+                                      Factor& factor);
+
+}  // namespace rths::plant

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <rths/plant/structure.hpp>
+#include <rths/sim/bearing.hpp>
+
+namespace rths::plant {
+
+/// The bearings of a plant: kinds, and the kind at each place.
+struct BearingSet {
+  std::vector<sim::Bearing> kinds;
+  std::vector<std::size_t> kind_of;  ///< of each bearing of the structure
+  double vertical_stiffness = 8e9;   ///< of one bearing in compression [N/m]
+  double tension_share = 0.01;       ///< of it, once the bearing lifts off [-]
+
+  /// The same bearing everywhere.
+  [[nodiscard]] static BearingSet all_of(const sim::Bearing& bearing, std::size_t count);
+};
+
+/// Linear springs of a bearing, for a basis: long, lat and vertical [N/m].
+struct BearingStiffness {
+  std::array<double, kDirections> initial{};     ///< largest, implicit in the integration
+  std::array<double, kDirections> post_yield{};  ///< tangent at a large displacement
+};
+/// @throws Error if a bearing has no stiffness   @setup
+[[nodiscard]] std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings);
+
+/// What the bearings add to their initial stiffness and to its damping a₁ k, in every time step:
+///     d = f(u, v) − k (u + a₁ v)   horizontally;  vertically the part of lift-off alone
+class BearingField {
+ public:
+  /// @param weights  static compression of each bearing [N]
+  /// @throws Error as sim::Composition does   @setup
+  BearingField(const BearingSet& bearings, const VectorXd& weights, double time_step,
+               double damping_time);
+
+  /// @param motion  displacement and velocity from equilibrium, 3 × bearings rows, 2 columns
+  /// @param tested  bearing whose horizontal force comes from elsewhere
+  /// @param correction  overwritten: d, 3 × bearings; 0 for the horizontal ones of `tested`
+  /// @realtime
+  void advance(const Eigen::Ref<const MatrixXd>& motion, std::size_t tested,
+               VectorXd& correction) RTHS_REALTIME;
+
+  /// Compression of a bearing [N] for an upward displacement [m].
+  [[nodiscard]] double compression(std::size_t bearing, double up) const RTHS_REALTIME {
+    return weights_[static_cast<Index>(bearing)] - vertical_stiffness_ * up;
+  }
+  /// d of one bearing for its horizontal force: long, lat [N].
+  [[nodiscard]] Eigen::Vector2d correction_for(
+      std::size_t bearing, const Eigen::Vector2d& force, const Eigen::Vector2d& displacement,
+      const Eigen::Vector2d& velocity) const RTHS_REALTIME {
+    return force - stiffness_[bearing] * (displacement + damping_time_ * velocity);
+  }
+  /// Bearings that have lifted off in any step so far.
+  [[nodiscard]] std::size_t lifted() const;
+  /// Smallest and largest compression so far [N].
+  [[nodiscard]] double least_load() const { return least_; }
+  [[nodiscard]] double largest_load() const { return largest_; }
+
+ private:
+  std::vector<sim::Composition> kinds_;
+  std::vector<double> temperatures_;  ///< of the kinds [°C]
+  std::vector<std::size_t> kind_of_, first_state_;
+  std::vector<double> states_;     ///< of all bearings
+  std::vector<double> stiffness_;  ///< horizontal, initial, of each [N/m]
+  std::vector<char> has_lifted_;
+  VectorXd weights_;
+  double vertical_stiffness_, tension_share_, damping_time_, time_step_;
+  double time_ = 0, least_, largest_;
+};
+
+}  // namespace rths::plant

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include <rths/plant/basis.hpp>
+#include <rths/sim/ground_motion.hpp>
+#include <rths/sim/substructure.hpp>
+
+namespace rths::plant {
+
+struct PlantSettings {
+  double time_step = 0.01;        ///< between targets [s]
+  double alpha = -0.05;           ///< of α-OS [-], −⅓…0
+  double damping_ratio = 0.02;    ///< of the structure alone, proportional to its stiffness,
+  double damping_frequency = 10;  ///< at this frequency [Hz]
+  std::size_t tested_bearing = 0;
+};
+
+/// A large plant on nonlinear bearings, one of them tested: α-OS, one time step at a time.
+///
+///     ũ = u + Δt v + Δt²(½ − β) a,  ṽ = v + Δt(1 − γ) a              predict: the target is B_e ũ
+///     w = (1+α)(ũ + a₁ ṽ) − α(u + a₁ v)
+///     M a⁺ + K_I (w + c a⁺) = −M ι((1+α)a_g⁺ − α a_g) − Bᵀ((1+α)d⁺ − α d),
+///     c = (1+α)(γ Δt a₁ + β Δt²),   d = f − k_I (u + a₁ v): see BearingField
+///
+/// Only d of the tested bearing is late. By superposition, its effect on the next target is a fixed
+/// 2 × 2 matrix; all else is computed by `work_ahead`, while the machine moves.
+class Plant : public sim::Substructure {
+ public:
+  [[nodiscard]] std::vector<sim::InterfaceDof> interface() const override;
+  void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME override;
+  void work_ahead() RTHS_REALTIME override;
+  void correct(std::span<const double> force) RTHS_REALTIME override;
+  [[nodiscard]] double time() const RTHS_REALTIME override {
+    return static_cast<double>(steps_) * settings_.time_step;
+  }
+  /// Acceleration of the ground and of each floor: long, lat, vert.
+  [[nodiscard]] std::vector<sim::MonitoredQuantity> monitors() const override;
+  void monitor(std::span<double> values) const RTHS_REALTIME override;
+
+  [[nodiscard]] const BearingField& bearings() const { return bearings_; }
+
+ protected:
+  Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMotion motion,
+        const std::vector<Floor>& floors, const PlantSettings& settings);
+
+  /// State of the integration: displacement, velocity and acceleration, and their predictions.
+  struct State {
+    VectorXd u, v, a, predicted_u, predicted_v, w;
+  };
+  /// Motion of the tested bearing in the predicted state: displacement and velocity, 3 × 2.
+  [[nodiscard]] virtual Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME = 0;
+  /// Motion of all bearings in the predicted state, 3 × bearings rows, 2 columns.
+  virtual void bearing_motion(MatrixXd& motion) const RTHS_REALTIME = 0;
+  /// Solves for the acceleration without the tested bearing's d.
+  /// @param ground      (1+α)a_g⁺ − α a_g
+  /// @param correction  (1+α)d⁺ − α d of all bearings
+  virtual void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME = 0;
+  /// Adds the effect of (1+α)d⁺ of the tested bearing to the acceleration.
+  virtual void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME = 0;
+  /// Relative acceleration of the floors, 3 × floors.
+  virtual void floor_motion(VectorXd& acceleration) const RTHS_REALTIME = 0;
+
+  [[nodiscard]] const PlantSettings& settings() const { return settings_; }
+  [[nodiscard]] double damping_time() const { return damping_time_; }      ///< a₁ [s]
+  [[nodiscard]] double implicit_share() const { return implicit_share_; }  ///< c [s²]
+  void begin_at_rest(Index size);
+  State state_;
+
+ private:
+  PlantSettings settings_;
+  double beta_, gamma_, damping_time_, implicit_share_;
+  sim::GroundMotion motion_;
+  BearingField bearings_;
+  std::vector<std::string> floors_;
+  MatrixXd bearing_motion_;
+  VectorXd correction_, last_correction_, mixed_correction_;
+  mutable VectorXd floor_acceleration_;
+  Eigen::Vector3d ground_ = Eigen::Vector3d::Zero();
+  std::size_t steps_ = 0;
+  bool has_worked_ = true;
+};
+
+/// In the coordinates of a reduced basis: a step takes the same time for any number of degrees of
+/// freedom.   @setup
+[[nodiscard]] std::unique_ptr<Plant> make_reduced(const Basis& basis, const BearingSet& bearings,
+                                                  const sim::GroundMotion& motion,
+                                                  const std::vector<Floor>& floors,
+                                                  const PlantSettings& settings);
+/// With all degrees of freedom, for reference: a sparse solution in each step.
+/// @throws Error as Factor   @setup
+[[nodiscard]] std::unique_ptr<Plant> make_full(const Structure& structure,
+                                               const BearingSet& bearings,
+                                               const sim::GroundMotion& motion,
+                                               const PlantSettings& settings);
+
+}  // namespace rths::plant

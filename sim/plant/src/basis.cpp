@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plant/basis.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <rths/core/constants.hpp>
+#include <rths/maths/decompositions.hpp>
+
+namespace rths::plant {
+namespace {
+
+constexpr int kPasses = 3;         // of Gram-Schmidt
+constexpr double kOwnPart = 1e-9;  // of a vector that the others do not contain, at least
+
+std::vector<std::array<double, kDirections>> springs_of(
+    const std::vector<BearingStiffness>& stiffness,
+    std::array<double, kDirections> BearingStiffness::*which) {
+  std::vector<std::array<double, kDirections>> springs;
+  for (const auto& one : stiffness) springs.push_back(one.*which);
+  return springs;
+}
+
+/// Loads whose static deflections belong to a basis.
+class StaticLoads {
+ public:
+  explicit StaticLoads(const Structure& structure) : structure_{structure} {
+    for (const std::size_t node : structure.bearings)
+      for (std::size_t k = 0; k < 2; ++k)
+        reach_ = std::max(reach_, std::abs(structure.nodes[node].place[k]));
+    if (!(reach_ > 0)) reach_ = 1;
+  }
+
+  /// Forces of all bearings in one direction, as 1, x, y, xy, x², y².
+  [[nodiscard]] VectorXd pattern(std::size_t direction, std::size_t pattern) const {
+    VectorXd load = VectorXd::Zero(structure_.dofs());
+    for (const std::size_t node : structure_.bearings) {
+      const auto& [place, dofs] = structure_.nodes[node];
+      const double x = place[0] / reach_, y = place[1] / reach_;
+      load[dofs[direction]] += std::array{1.0, x, y, x * y, x * x, y * y}[pattern];
+    }
+    return load;
+  }
+  static constexpr std::size_t kPatterns = 6;
+
+  [[nodiscard]] VectorXd of_bearing(std::size_t bearing, std::size_t direction) const {
+    VectorXd load = VectorXd::Zero(structure_.dofs());
+    load[structure_.nodes[structure_.bearings[bearing]].dofs[direction]] = 1;
+    return load;
+  }
+
+  [[nodiscard]] std::vector<VectorXd> all(std::size_t tested) const {
+    std::vector<VectorXd> loads;
+    const MatrixXd inertia = structure_.inertia();
+    for (std::size_t direction = 0; direction < kDirections; ++direction) {
+      for (std::size_t i = 0; i < kPatterns; ++i) loads.push_back(pattern(direction, i));
+      loads.emplace_back(inertia.col(static_cast<Index>(direction)));
+      loads.push_back(of_bearing(tested, direction));
+    }
+    return loads;
+  }
+
+ private:
+  const Structure& structure_;
+  double reach_ = 0;
+};
+
+// Appends the parts of vectors that a basis does not contain, M-orthonormal.
+void append(const std::vector<VectorXd>& vectors, const VectorXd& mass, MatrixXd& basis) {
+  Index count = basis.cols();
+  basis.conservativeResize(Eigen::NoChange, count + std::ssize(vectors));
+  for (VectorXd rest : vectors) {
+    rest /= std::sqrt(rest.dot(mass.cwiseProduct(rest)));
+    for (int pass = 0; pass < kPasses; ++pass)
+      rest -= basis.leftCols(count) * (basis.leftCols(count).transpose() * mass.cwiseProduct(rest));
+    const double length = std::sqrt(rest.dot(mass.cwiseProduct(rest)));
+    if (length > kOwnPart) basis.col(count++) = rest / length;
+  }
+  basis.conservativeResize(Eigen::NoChange, count);
+}
+
+MatrixXd rows_at(const MatrixXd& shapes, const Structure& structure,
+                 const std::vector<std::size_t>& nodes) {
+  MatrixXd rows(std::ssize(nodes) * static_cast<Index>(kDirections), shapes.cols());
+  Index row = 0;
+  for (const std::size_t node : nodes)
+    for (const Index dof : structure.nodes[node].dofs) rows.row(row++) = shapes.row(dof);
+  return rows;
+}
+
+}  // namespace
+
+VectorXd static_weights(const Structure& structure, const BearingSet& bearings, Factor& factor) {
+  const VectorXd load = -kStandardGravity * structure.inertia().col(2);
+  VectorXd settlement;
+  factor.solve(load, settlement);
+  VectorXd weights(std::ssize(structure.bearings));
+  for (std::size_t i = 0; i < structure.bearings.size(); ++i)
+    weights[static_cast<Index>(i)] =
+        -bearings.vertical_stiffness *
+        settlement[structure.nodes[structure.bearings[i]].dofs[kDirections - 1]];
+  return weights;
+}
+
+Basis make_basis(const Structure& structure, const BearingSet& bearings,
+                 const BasisSettings& settings) {
+  const auto stiffness = stiffness_of(bearings);
+  const SparseMatrix initial =
+      structure.on_springs(springs_of(stiffness, &BearingStiffness::initial));
+  Factor on_initial{initial};
+  Basis basis;
+  MatrixXd shapes;
+  {
+    Factor on_post_yield{
+        structure.on_springs(springs_of(stiffness, &BearingStiffness::post_yield))};
+    Modes modes = modes_up_to(on_post_yield, structure.mass, settings.frequency_limit);
+    basis.frequencies = std::move(modes.frequencies);
+    shapes = std::move(modes.shapes);
+  }
+  if (settings.has_static_vectors) {
+    std::vector<VectorXd> deflections;
+    for (const VectorXd& load : StaticLoads{structure}.all(settings.tested_bearing)) {
+      deflections.emplace_back();
+      on_initial.solve(load, deflections.back());
+    }
+    append(deflections, structure.mass, shapes);
+  }
+  const MatrixXd reduced = shapes.transpose() * (initial * shapes);
+  const maths::Modes principal = maths::symmetric_modes(0.5 * (reduced + reduced.transpose()));
+  basis.stiffness = principal.values;
+  std::vector<std::size_t> floors;
+  for (const auto& floor : structure.floors) floors.push_back(floor.node);
+  basis.bearings = rows_at(shapes, structure, structure.bearings) * principal.vectors;
+  basis.floors = rows_at(shapes, structure, floors) * principal.vectors;
+  basis.participation = principal.vectors.transpose() * (shapes.transpose() * structure.inertia());
+  basis.weights = static_weights(structure, bearings, on_initial);
+  for (std::size_t k = 0; k < kDirections; ++k) basis.mass[k] = structure.mass_along(k);
+  basis.dofs = structure.dofs();
+  return basis;
+}
+
+}  // namespace rths::plant

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plant/bearings.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::plant {
+namespace {
+
+constexpr double kFarAway = 0.2;  // beyond every yield displacement [m]
+constexpr double kProbe = 1e-3;   // [m]
+
+// After a slow way to a large displacement.
+double post_yield_stiffness(const sim::Bearing& bearing) {
+  constexpr int kSteps = 400;
+  constexpr double kStep = 0.01;  // [s]
+  sim::BearingRun run{bearing, kStep};
+  const auto force_at = [&](double u) {
+    return run.advance({u, 0}, Eigen::Vector2d::Zero(), bearing.axial_load)[0];
+  };
+  double force = 0;
+  for (int i = 1; i <= kSteps; ++i) force = force_at(kFarAway * i / kSteps);
+  return (force_at(kFarAway + kProbe) - force) / kProbe;
+}
+
+}  // namespace
+
+BearingSet BearingSet::all_of(const sim::Bearing& bearing, std::size_t count) {
+  BearingSet set;
+  set.kinds = {bearing};
+  set.kind_of.assign(count, 0);
+  return set;
+}
+
+std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings) {
+  std::vector<BearingStiffness> of_kinds;
+  for (const auto& kind : bearings.kinds) {
+    const double initial = sim::initial_stiffness(kind);
+    // A rigid body on bearings must still have a stiffness, as on sliders.
+    constexpr double kLeastShare = 1e-3;
+    const double after = std::clamp(post_yield_stiffness(kind), kLeastShare * initial, initial);
+    of_kinds.push_back({{initial, initial, bearings.vertical_stiffness},
+                        {after, after, bearings.vertical_stiffness}});
+  }
+  std::vector<BearingStiffness> result;
+  for (const std::size_t kind : bearings.kind_of) result.push_back(of_kinds[kind]);
+  return result;
+}
+
+BearingField::BearingField(const BearingSet& bearings, const VectorXd& weights, double time_step,
+                           double damping_time)
+    : kind_of_{bearings.kind_of},
+      has_lifted_(kind_of_.size(), 0),
+      weights_{weights},
+      vertical_stiffness_{bearings.vertical_stiffness},
+      tension_share_{bearings.tension_share},
+      damping_time_{damping_time},
+      time_step_{time_step},
+      least_{weights.minCoeff()},
+      largest_{weights.maxCoeff()} {
+  for (const auto& kind : bearings.kinds) {
+    sim::require_given_load(kind);
+    kinds_.emplace_back(kind.terms, time_step);
+    temperatures_.push_back(kind.temperature);
+  }
+  const auto springs = stiffness_of(bearings);
+  for (std::size_t i = 0; i < kind_of_.size(); ++i) {
+    first_state_.push_back(states_.size());
+    states_.resize(states_.size() + kinds_[kind_of_[i]].states());
+    stiffness_.push_back(springs[i].initial[0]);
+  }
+}
+
+void BearingField::advance(const Eigen::Ref<const MatrixXd>& motion, std::size_t tested,
+                           VectorXd& correction) noexcept {
+  time_ += time_step_;
+  for (std::size_t i = 0; i < kind_of_.size(); ++i) {
+    const auto row = static_cast<Index>(kDirections * i);
+    const double load = compression(i, motion(row + 2, 0));
+    least_ = std::min(least_, load);
+    largest_ = std::max(largest_, load);
+    if (load < 0) has_lifted_[i] = 1;
+    // Up is positive: what a lifted bearing lacks is a force downwards less than k u.
+    correction[row + 2] = load < 0 ? load * (1 - tension_share_) : 0;
+    if (i == tested) {
+      correction[row] = correction[row + 1] = 0;
+      continue;
+    }
+    const sim::Composition& kind = kinds_[kind_of_[i]];
+    sim::Quantities<double> q;
+    q.time = time_;
+    q.displacement = {motion(row, 0), motion(row + 1, 0)};
+    q.velocity = {motion(row, 1), motion(row + 1, 1)};
+    q.axial_load = std::max(load, 0.0);
+    q.temperature = temperatures_[kind_of_[i]];
+    kind.advance(std::span{states_}.subspan(first_state_[i], kind.states()), q);
+    for (Index k = 0; k < 2; ++k)
+      correction[row + k] =
+          q.force[static_cast<std::size_t>(k)] -
+          stiffness_[i] * (motion(row + k, 0) + damping_time_ * motion(row + k, 1));
+  }
+}
+
+std::size_t BearingField::lifted() const {
+  return static_cast<std::size_t>(std::count(has_lifted_.begin(), has_lifted_.end(), 1));
+}
+
+}  // namespace rths::plant

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plant/plant.hpp>
+
+namespace rths::plant {
+namespace {
+
+SparseMatrix on_initial_springs(const Structure& structure, const BearingSet& bearings) {
+  std::vector<std::array<double, kDirections>> springs;
+  for (const auto& stiffness : stiffness_of(bearings)) springs.push_back(stiffness.initial);
+  return structure.on_springs(springs);
+}
+
+VectorXd weights_of(const Structure& structure, const BearingSet& bearings) {
+  Factor factor{on_initial_springs(structure, bearings)};
+  return static_weights(structure, bearings, factor);
+}
+
+// M + c K_I.
+SparseMatrix effective_mass(const Structure& structure, const BearingSet& bearings, double share) {
+  SparseMatrix sum = share * on_initial_springs(structure, bearings);
+  sum.diagonal() += structure.mass;
+  return sum;
+}
+
+/// Because the damping of the bearings' springs is in d, no product with K is needed:
+///     (M + c K_I)(a⁺ + w/c) = −M ι a_g − Bᵀ d + M w/c
+class FullPlant final : public Plant {
+ public:
+  FullPlant(const Structure& structure, const BearingSet& bearings, const sim::GroundMotion& motion,
+            const PlantSettings& settings)
+      : Plant{bearings, weights_of(structure, bearings), motion, structure.floors, settings},
+        mass_{structure.mass},
+        inertia_{structure.inertia()},
+        factor_{effective_mass(structure, bearings, implicit_share())},
+        load_{VectorXd::Zero(structure.dofs())} {
+    for (const std::size_t node : structure.bearings)
+      for (const Index dof : structure.nodes[node].dofs) bearing_dofs_.push_back(dof);
+    for (const auto& floor : structure.floors)
+      for (const Index dof : structure.nodes[floor.node].dofs) floor_dofs_.push_back(dof);
+    begin_at_rest(structure.dofs());
+    responses_.resize(structure.dofs(), 2);
+    for (Index k = 0; k < 2; ++k) {
+      load_.setZero();
+      load_[bearing_dofs_[first_tested() + static_cast<std::size_t>(k)]] = 1;
+      factor_.solve(load_, solution_);
+      responses_.col(k) = solution_;
+    }
+  }
+
+ protected:
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME override {
+    Eigen::Matrix<double, 3, 2> motion;
+    for (Index k = 0; k < 3; ++k) {
+      const Index dof = bearing_dofs_[first_tested() + static_cast<std::size_t>(k)];
+      motion(k, 0) = state_.predicted_u[dof];
+      motion(k, 1) = state_.predicted_v[dof];
+    }
+    return motion;
+  }
+  void bearing_motion(MatrixXd& motion) const RTHS_REALTIME override {
+    for (std::size_t i = 0; i < bearing_dofs_.size(); ++i) {
+      motion(static_cast<Index>(i), 0) = state_.predicted_u[bearing_dofs_[i]];
+      motion(static_cast<Index>(i), 1) = state_.predicted_v[bearing_dofs_[i]];
+    }
+  }
+  void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME override {
+    const double share = implicit_share();
+    load_ = mass_.cwiseProduct(state_.w) / share;
+    load_.noalias() -= inertia_ * ground;
+    for (std::size_t i = 0; i < bearing_dofs_.size(); ++i)
+      load_[bearing_dofs_[i]] -= correction[static_cast<Index>(i)];
+    factor_.solve(load_, solution_);
+    state_.a = solution_ - state_.w / share;
+  }
+  void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME override {
+    state_.a.noalias() -= responses_ * correction;
+  }
+  void floor_motion(VectorXd& acceleration) const RTHS_REALTIME override {
+    for (std::size_t i = 0; i < floor_dofs_.size(); ++i)
+      acceleration[static_cast<Index>(i)] = state_.a[floor_dofs_[i]];
+  }
+
+ private:
+  [[nodiscard]] std::size_t first_tested() const { return kDirections * settings().tested_bearing; }
+
+  VectorXd mass_;
+  MatrixXd inertia_;
+  Factor factor_;
+  VectorXd load_, solution_;
+  std::vector<Index> bearing_dofs_, floor_dofs_;
+  MatrixXd responses_;  // to unit forces of the tested bearing
+};
+
+}  // namespace
+
+std::unique_ptr<Plant> make_full(const Structure& structure, const BearingSet& bearings,
+                                 const sim::GroundMotion& motion, const PlantSettings& settings) {
+  return std::make_unique<FullPlant>(structure, bearings, motion, settings);
+}
+
+}  // namespace rths::plant

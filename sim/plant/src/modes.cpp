@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plant/modes.hpp>
+
+#include <algorithm>
+#include <numbers>
+
+#include <Spectra/SymEigsSolver.h>
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
+namespace rths::plant {
+namespace {
+
+constexpr double kTolerance = 1e-8;
+constexpr Index kMostRestarts = 100;
+constexpr Index kFirstModes = 64;
+constexpr double kMore = 1.5;
+
+/// M^½ K⁻¹ M^½: its largest values are the inverses of the lowest ω².
+class Flexibility {
+ public:
+  using Scalar = double;
+
+  Flexibility(Factor& factor, const VectorXd& mass) : factor_{factor}, root_{mass.cwiseSqrt()} {}
+  [[nodiscard]] Index rows() const { return root_.size(); }
+  [[nodiscard]] Index cols() const { return root_.size(); }
+  [[nodiscard]] const VectorXd& root() const { return root_; }
+  void perform_op(const double* in, double* out) const {  // NOLINT: the name is Spectra's
+    load_ = VectorXd::Map(in, rows()).cwiseProduct(root_);
+    factor_.solve(load_, motion_);
+    VectorXd::Map(out, rows()) = motion_.cwiseProduct(root_);
+  }
+
+ private:
+  Factor& factor_;
+  VectorXd root_;
+  mutable VectorXd load_, motion_;
+};
+
+}  // namespace
+
+Modes lowest_modes(Factor& factor, const VectorXd& mass, Index count) {
+  Flexibility flexibility{factor, mass};
+  const Index basis = std::min(mass.size(), 2 * count + 20);
+  Spectra::SymEigsSolver<Flexibility> solver{flexibility, count, basis};
+  solver.init();
+  const Index found = solver.compute(Spectra::SortRule::LargestAlge, kMostRestarts, kTolerance,
+                                     Spectra::SortRule::LargestAlge);
+  if (found < count || solver.info() != Spectra::CompInfo::Successful)
+    throw Error{fmt::format("{} of {} modes were found", found, count)};
+  Modes modes;
+  modes.frequencies = solver.eigenvalues().cwiseInverse().cwiseSqrt() / (2 * std::numbers::pi);
+  modes.shapes = flexibility.root().cwiseInverse().asDiagonal() * solver.eigenvectors();
+  return modes;
+}
+
+Modes modes_up_to(Factor& factor, const VectorXd& mass, double frequency) {
+  const Index most = mass.size() / 2;
+  for (Index count = std::min(kFirstModes, most);;
+       count = std::min(most, static_cast<Index>(kMore * static_cast<double>(count)))) {
+    Modes modes = lowest_modes(factor, mass, count);
+    const auto below = (modes.frequencies.array() <= frequency).count();
+    if (below < count) {
+      modes.frequencies.conservativeResize(below + 1);
+      modes.shapes.conservativeResize(Eigen::NoChange, below + 1);
+      return modes;
+    }
+    if (count == most)
+      throw Error{
+          fmt::format("more than {} modes lie below {:g} Hz: lower the limit", most, frequency)};
+  }
+}
+
+}  // namespace rths::plant

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plant/plant.hpp>
+
+#include "shapes.hpp"
+
+namespace rths::plant {
+namespace {
+
+// With coordinates that never move, up to a multiple.
+Basis padded(Basis basis) {
+  const Index size =
+      (basis.coordinates() + Shapes::kColumns - 1) / Shapes::kColumns * Shapes::kColumns;
+  const auto add = [](MatrixXd& matrix, Index rows, Index columns) {
+    matrix.conservativeResizeLike(MatrixXd::Zero(rows, columns));
+  };
+  basis.stiffness.conservativeResizeLike(VectorXd::Zero(size));
+  add(basis.bearings, basis.bearings.rows(), size);
+  add(basis.floors, basis.floors.rows(), size);
+  add(basis.participation, size, basis.participation.cols());
+  return basis;
+}
+
+class ReducedPlant final : public Plant {
+ public:
+  ReducedPlant(const Basis& basis, const BearingSet& bearings, const sim::GroundMotion& motion,
+               const std::vector<Floor>& floors, const PlantSettings& settings)
+      : Plant{bearings, basis.weights, motion, floors, settings},
+        stiffness_{basis.stiffness},
+        compliance_{(1 + implicit_share() * basis.stiffness.array()).inverse()},
+        shapes_{basis.bearings},
+        tested_{basis.bearings.middleRows<3>(
+            static_cast<Index>(kDirections * settings.tested_bearing))},
+        floors_{basis.floors},
+        participation_{basis.participation},
+        load_{VectorXd::Zero(basis.coordinates())} {
+    begin_at_rest(basis.coordinates());
+  }
+
+ protected:
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME override {
+    Eigen::Matrix<double, 3, 2> motion;
+    motion.col(0).noalias() = tested_ * state_.predicted_u;
+    motion.col(1).noalias() = tested_ * state_.predicted_v;
+    return motion;
+  }
+  void bearing_motion(MatrixXd& motion) const RTHS_REALTIME override {
+    shapes_.multiply(state_.predicted_u, state_.predicted_v, motion);
+  }
+  void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME override {
+    shapes_.multiply_transposed(correction, load_);
+    load_.noalias() += participation_ * ground;
+    state_.a = -compliance_.array() * (load_.array() + stiffness_.array() * state_.w.array());
+  }
+  void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME override {
+    state_.a.array() -= compliance_.array() * (tested_.row(0).transpose().array() * correction[0] +
+                                               tested_.row(1).transpose().array() * correction[1]);
+  }
+  void floor_motion(VectorXd& acceleration) const RTHS_REALTIME override {
+    acceleration.noalias() = floors_ * state_.a;
+  }
+
+ private:
+  VectorXd stiffness_, compliance_;
+  Shapes shapes_;  // at all bearings
+  Eigen::Matrix<double, 3, Eigen::Dynamic> tested_;
+  MatrixXd floors_, participation_;
+  VectorXd load_;
+};
+
+}  // namespace
+
+std::unique_ptr<Plant> make_reduced(const Basis& basis, const BearingSet& bearings,
+                                    const sim::GroundMotion& motion,
+                                    const std::vector<Floor>& floors,
+                                    const PlantSettings& settings) {
+  return std::make_unique<ReducedPlant>(padded(basis), bearings, motion, floors, settings);
+}
+
+}  // namespace rths::plant
