@@ -7,7 +7,6 @@
 #include <rths/sim/floor_spectrum.hpp>
 
 #include "support/files.hpp"
-#include "support/lead_rubber.hpp"
 
 namespace rths::plant::test {
 namespace {
@@ -18,12 +17,10 @@ std::vector<double> column(const MatrixXd& table, Index i) {
 
 }  // namespace
 
-sim::Bearing lead_rubber() { return rths::test::plain_lead_rubber(); }
-
-sim::GroundMotion petrolia() {
+sim::GroundMotion petrolia(double scale) {
   return sim::read_motion(
       rths::test::source_tree() / "examples/records/petrolia_1992_riodell_freefield.csv", {2, 1, 3},
-      1);
+      scale);
 }
 
 Response drive(Plant& plant, const sim::Bearing& tested, double time_step, double duration) {
@@ -32,7 +29,7 @@ Response drive(Plant& plant, const sim::Bearing& tested, double time_step, doubl
   std::array<double, 3> target{}, rate{}, force{};
   std::vector<double> monitored(plant.monitors().size());
   Response response{time_step, MatrixXd(steps, 2),
-                    MatrixXd(steps, static_cast<Index>(monitored.size()) - 3), MatrixXd(steps, 3)};
+                    MatrixXd(steps, static_cast<Index>(monitored.size()) - 3)};
   for (Index i = 0; i < steps; ++i) {
     plant.predict(target, rate);
     plant.work_ahead();
@@ -41,7 +38,6 @@ Response drive(Plant& plant, const sim::Bearing& tested, double time_step, doubl
     force = {felt[0], felt[1], 0};
     plant.correct(force);
     plant.monitor(monitored);
-    response.target.row(i) << target[0], target[1], target[2];
     response.tested.row(i) << target[0], target[1];
     for (Index k = 0; k < response.floors.cols(); ++k)
       response.floors(i, k) = monitored[static_cast<std::size_t>(k + 3)];

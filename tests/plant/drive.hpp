@@ -1,24 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
-
-#include <rths/plant/ant.hpp>
 #include <rths/plant/plant.hpp>
 
 namespace rths::plant::test {
 
-/// A lead-rubber bearing like the paper's, with heating lead.
-[[nodiscard]] sim::Bearing lead_rubber();
-/// Petrolia 1992, all three components, 1 m/s² being the largest unless scaled.
-[[nodiscard]] sim::GroundMotion petrolia();
+/// Petrolia 1992, all three components.
+/// @param scale  factor on the record
+[[nodiscard]] sim::GroundMotion petrolia(double scale = 1);
+
+inline constexpr double kTimeStep = 0.001;  ///< of most runs [s]
 
 /// Response of a plant whose tested bearing is computed, too.
 struct Response {
   double time_step = 0;
   MatrixXd tested;  ///< displacement of the tested bearing: long, lat; row by step [m]
   MatrixXd floors;  ///< absolute acceleration of the floors; row by step [m/s²]
-  MatrixXd target;  ///< of the next step: long, lat, vert
 };
 [[nodiscard]] Response drive(Plant& plant, const sim::Bearing& tested, double time_step,
                              double duration);

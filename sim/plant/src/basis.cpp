@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <rths/core/constants.hpp>
+#include <rths/core/error.hpp>
 #include <rths/maths/decompositions.hpp>
 
 namespace rths::plant {
@@ -104,6 +107,9 @@ VectorXd static_weights(const Structure& structure, const BearingSet& bearings, 
 
 Basis make_basis(const Structure& structure, const BearingSet& bearings,
                  const BasisSettings& settings) {
+  if (settings.tested_bearing >= structure.bearings.size())
+    throw Error{fmt::format("basis: bearing {} is tested, but there are {}",
+                            settings.tested_bearing + 1, structure.bearings.size())};
   const auto stiffness = stiffness_of(bearings);
   const SparseMatrix initial =
       structure.on_springs(springs_of(stiffness, &BearingStiffness::initial));

@@ -46,7 +46,12 @@ std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings) {
                         {after, after, bearings.vertical_stiffness}});
   }
   std::vector<BearingStiffness> result;
-  for (const std::size_t kind : bearings.kind_of) result.push_back(of_kinds[kind]);
+  for (std::size_t i = 0; i < bearings.kind_of.size(); ++i) {
+    if (bearings.kind_of[i] >= of_kinds.size())
+      throw Error{fmt::format("bearing {} is of kind {}, but there are {} kinds", i + 1,
+                              bearings.kind_of[i] + 1, of_kinds.size())};
+    result.push_back(of_kinds[bearings.kind_of[i]]);
+  }
   return result;
 }
 
@@ -74,7 +79,7 @@ BearingField::BearingField(const BearingSet& bearings, const VectorXd& weights, 
   }
 }
 
-void BearingField::advance(const Eigen::Ref<const MatrixXd>& motion, std::size_t tested,
+void BearingField::advance(const MatrixXd& motion, std::size_t tested,
                            VectorXd& correction) noexcept {
   time_ += time_step_;
   for (std::size_t i = 0; i < kind_of_.size(); ++i) {
@@ -102,6 +107,34 @@ void BearingField::advance(const Eigen::Ref<const MatrixXd>& motion, std::size_t
           q.force[static_cast<std::size_t>(k)] -
           stiffness_[i] * (motion(row + k, 0) + damping_time_ * motion(row + k, 1));
   }
+}
+
+void BearingField::forces(const MatrixXd& motion, const VectorXd& correction,
+                          VectorXd& forces) const noexcept {
+  for (std::size_t i = 0; i < kind_of_.size(); ++i) {
+    const auto row = static_cast<Index>(kDirections * i);
+    for (Index k = row; k < row + 2; ++k)
+      forces[k] = correction[k] + stiffness_[i] * (motion(k, 0) + damping_time_ * motion(k, 1));
+    forces[row + 2] = correction[row + 2] + vertical_stiffness_ * motion(row + 2, 0);
+  }
+}
+
+void BearingField::damping(const MatrixXd& motion, VectorXd& forces) const noexcept {
+  for (std::size_t i = 0; i < kind_of_.size(); ++i) {
+    const auto row = static_cast<Index>(kDirections * i);
+    for (Index k = row; k < row + 2; ++k) forces[k] = damping_time_ * stiffness_[i] * motion(k, 1);
+    forces[row + 2] = 0;
+  }
+}
+
+double BearingField::strain(const MatrixXd& motion) const noexcept {
+  double sum = 0;
+  for (std::size_t i = 0; i < kind_of_.size(); ++i) {
+    const auto row = static_cast<Index>(kDirections * i);
+    sum += stiffness_[i] * motion.col(0).segment<2>(row).squaredNorm() +
+           vertical_stiffness_ * motion(row + 2, 0) * motion(row + 2, 0);
+  }
+  return sum / 2;
 }
 
 std::size_t BearingField::lifted() const {

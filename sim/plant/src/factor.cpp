@@ -10,6 +10,36 @@
 #include <rths/core/error.hpp>
 
 namespace rths::plant {
+namespace {
+
+// Rounding leaves 1e-16 to 1e-13 of the diagonal where nothing holds a part; a plant on its
+// softest bearings keeps 1e-4.
+constexpr double kLeastPivot = 1e-11;
+
+// Squares of the diagonal of a supernodal factor, in the factor's order.
+template <class Visit>
+void visit_pivots(const cholmod_factor& factor, const Visit& visit) {
+  const auto *super = static_cast<const int*>(factor.super),
+             *rows = static_cast<const int*>(factor.pi),
+             *first = static_cast<const int*>(factor.px);
+  const auto* values = static_cast<const double*>(factor.x);
+  for (std::size_t s = 0; s < factor.nsuper; ++s) {
+    const int height = rows[s + 1] - rows[s];
+    for (int k = 0; k < super[s + 1] - super[s]; ++k) {
+      const double root = values[first[s] + k * height + k];
+      visit(super[s] + k, root * root);
+    }
+  }
+}
+
+[[noreturn]] void throw_not_positive(int row) {
+  throw Error{fmt::format(
+      "the matrix is not positive definite at row {}: expected a structure on its bearings without "
+      "a part that moves freely",
+      row + 1)};
+}
+
+}  // namespace
 
 struct Factor::Cholmod {
   cholmod_common common{};
@@ -58,13 +88,14 @@ Factor::Factor(const SparseMatrix& matrix) : cholmod_{std::make_unique<Cholmod>(
   if (cholmod_->factor == nullptr) throw Error{"the matrix cannot be analysed for its factor"};
   cholmod_factorize(&sparse, cholmod_->factor, &cholmod_->common);
   cholmod_->require_memory();
-  if (const std::size_t column = cholmod_->factor->minor; column < cholmod_->rows) {
-    const auto* order = static_cast<const int*>(cholmod_->factor->Perm);
-    throw Error{fmt::format(
-        "the matrix is not positive definite at row {}: expected a structure on its bearings "
-        "without a part that moves freely",
-        order[column] + 1)};
-  }
+  const auto* order = static_cast<const int*>(cholmod_->factor->Perm);
+  if (const std::size_t column = cholmod_->factor->minor; column < cholmod_->rows)
+    throw_not_positive(order[column]);
+  // By rounding, the last pivots of a singular matrix are small instead of zero.
+  const VectorXd diagonal = matrix.diagonal();
+  visit_pivots(*cholmod_->factor, [&](int column, double pivot) {
+    if (!(pivot > kLeastPivot * diagonal[order[column]])) throw_not_positive(order[column]);
+  });
 }
 Factor::~Factor() = default;
 Factor::Factor(Factor&&) noexcept = default;

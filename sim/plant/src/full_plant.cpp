@@ -37,6 +37,7 @@ class FullPlant final : public Plant {
       for (const Index dof : structure.nodes[node].dofs) bearing_dofs_.push_back(dof);
     for (const auto& floor : structure.floors)
       for (const Index dof : structure.nodes[floor.node].dofs) floor_dofs_.push_back(dof);
+    if (settings.counts_energy) stiffness_ = on_initial_springs(structure, bearings);
     begin_at_rest(structure.dofs());
     responses_.resize(structure.dofs(), 2);
     for (Index k = 0; k < 2; ++k) {
@@ -57,10 +58,11 @@ class FullPlant final : public Plant {
     }
     return motion;
   }
-  void bearing_motion(MatrixXd& motion) const RTHS_REALTIME override {
+  void motion_at_bearings(const VectorXd& u, const VectorXd& v,
+                          MatrixXd& motion) const RTHS_REALTIME override {
     for (std::size_t i = 0; i < bearing_dofs_.size(); ++i) {
-      motion(static_cast<Index>(i), 0) = state_.predicted_u[bearing_dofs_[i]];
-      motion(static_cast<Index>(i), 1) = state_.predicted_v[bearing_dofs_[i]];
+      motion(static_cast<Index>(i), 0) = u[bearing_dofs_[i]];
+      motion(static_cast<Index>(i), 1) = v[bearing_dofs_[i]];
     }
   }
   void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME override {
@@ -79,6 +81,16 @@ class FullPlant final : public Plant {
     for (std::size_t i = 0; i < floor_dofs_.size(); ++i)
       acceleration[static_cast<Index>(i)] = state_.a[floor_dofs_[i]];
   }
+  void multiply_mass(const VectorXd& x, VectorXd& result) const RTHS_REALTIME override {
+    result = mass_.cwiseProduct(x);
+  }
+  void multiply_stiffness(const VectorXd& x, VectorXd& result) const RTHS_REALTIME override {
+    result.noalias() = stiffness_ * x;
+  }
+  void multiply_inertia(const Eigen::Vector3d& ground,
+                        VectorXd& result) const RTHS_REALTIME override {
+    result.noalias() = inertia_ * ground;
+  }
 
  private:
   [[nodiscard]] std::size_t first_tested() const { return kDirections * settings().tested_bearing; }
@@ -88,7 +100,8 @@ class FullPlant final : public Plant {
   Factor factor_;
   VectorXd load_, solution_;
   std::vector<Index> bearing_dofs_, floor_dofs_;
-  MatrixXd responses_;  // to unit forces of the tested bearing
+  MatrixXd responses_;      // to unit forces of the tested bearing
+  SparseMatrix stiffness_;  // on initial springs; for the energy alone
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
+#include "energy_count.hpp"
 #include "shapes.hpp"
 
 namespace rths::plant {
@@ -46,7 +47,7 @@ Plant::Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMot
       implicit_share_{(1 + settings.alpha) * settings.time_step *
                       (gamma_ * damping_time_ + beta_ * settings.time_step)},
       motion_{std::move(motion)},
-      bearings_{bearings, weights, settings.time_step, damping_time_},
+      bearings_{bearings, weights, settings.time_step, settings.damps_bearings ? 0 : damping_time_},
       bearing_motion_{MatrixXd::Zero(row_of(bearings.kind_of.size()), 2)},
       correction_{VectorXd::Zero(padded_rows(bearing_motion_.rows()))},
       last_correction_{correction_},
@@ -59,7 +60,12 @@ void Plant::begin_at_rest(Index size) {
   for (auto* each :
        {&state_.u, &state_.v, &state_.a, &state_.predicted_u, &state_.predicted_v, &state_.w})
     each->setZero(size);
+  if (settings_.counts_energy) energy_ = std::make_unique<EnergyCount>(*this);
 }
+
+Plant::~Plant() = default;
+
+Energy Plant::energy() const noexcept { return energy_ ? energy_->energy() : Energy{}; }
 
 std::vector<sim::InterfaceDof> Plant::interface() const { return sim::plant_interface(); }
 
@@ -107,6 +113,7 @@ void Plant::correct(std::span<const double> force) noexcept {
   const double h = settings_.time_step;
   state_.u = state_.predicted_u + beta_ * h * h * state_.a;
   state_.v = state_.predicted_v + gamma_ * h * state_.a;
+  if (energy_) energy_->add_step(*this);
 }
 
 std::vector<sim::MonitoredQuantity> Plant::monitors() const {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/plant/plant.hpp>
 
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
+
 #include "shapes.hpp"
 
 namespace rths::plant {
@@ -43,8 +47,9 @@ class ReducedPlant final : public Plant {
     motion.col(1).noalias() = tested_ * state_.predicted_v;
     return motion;
   }
-  void bearing_motion(MatrixXd& motion) const RTHS_REALTIME override {
-    shapes_.multiply(state_.predicted_u, state_.predicted_v, motion);
+  void motion_at_bearings(const VectorXd& u, const VectorXd& v,
+                          MatrixXd& motion) const RTHS_REALTIME override {
+    shapes_.multiply(u, v, motion);
   }
   void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME override {
     shapes_.multiply_transposed(correction, load_);
@@ -57,6 +62,16 @@ class ReducedPlant final : public Plant {
   }
   void floor_motion(VectorXd& acceleration) const RTHS_REALTIME override {
     acceleration.noalias() = floors_ * state_.a;
+  }
+  void multiply_mass(const VectorXd& x, VectorXd& result) const RTHS_REALTIME override {
+    result = x;
+  }
+  void multiply_stiffness(const VectorXd& x, VectorXd& result) const RTHS_REALTIME override {
+    result = stiffness_.cwiseProduct(x);
+  }
+  void multiply_inertia(const Eigen::Vector3d& ground,
+                        VectorXd& result) const RTHS_REALTIME override {
+    result.noalias() = participation_ * ground;
   }
 
  private:
@@ -73,6 +88,13 @@ std::unique_ptr<Plant> make_reduced(const Basis& basis, const BearingSet& bearin
                                     const sim::GroundMotion& motion,
                                     const std::vector<Floor>& floors,
                                     const PlantSettings& settings) {
+  const auto require = [](Index found, std::size_t expected, const char* what) {
+    if (found != static_cast<Index>(kDirections * expected))
+      throw Error{fmt::format("plant: the basis has {} {}, expected {}",
+                              found / static_cast<Index>(kDirections), what, expected)};
+  };
+  require(basis.bearings.rows(), bearings.kind_of.size(), "bearings");
+  require(basis.floors.rows(), floors.size(), "floors");
   return std::make_unique<ReducedPlant>(padded(basis), bearings, motion, floors, settings);
 }
 

@@ -58,6 +58,9 @@ MatrixXd Structure::inertia() const {
 }
 
 SparseMatrix Structure::on_springs(const std::vector<std::array<double, 3>>& springs) const {
+  if (springs.size() != bearings.size())
+    throw Error{fmt::format("plant: {} bearings are given, but the structure has {}",
+                            springs.size(), bearings.size())};
   VectorXd added = VectorXd::Zero(dofs());
   for (std::size_t i = 0; i < bearings.size(); ++i)
     for (std::size_t k = 0; k < kDirections; ++k)

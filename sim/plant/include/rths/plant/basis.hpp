@@ -34,7 +34,8 @@ struct Basis {
   [[nodiscard]] Index static_vectors() const { return coordinates() - frequencies.size(); }
 };
 
-/// @throws Error if a matrix is not positive definite, or as modes_up_to   @setup
+/// @throws Error if a matrix is not positive definite, if there is no such tested bearing, and as
+///         stiffness_of, Structure::on_springs and modes_up_to   @setup
 [[nodiscard]] Basis make_basis(const Structure& structure, const BearingSet& bearings,
                                const BasisSettings& settings);
 

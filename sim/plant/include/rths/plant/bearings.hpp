@@ -25,7 +25,7 @@ struct BearingStiffness {
   std::array<double, kDirections> initial{};     ///< largest, implicit in the integration
   std::array<double, kDirections> post_yield{};  ///< tangent at a large displacement
 };
-/// @throws Error if a bearing has no stiffness   @setup
+/// @throws Error if a bearing has no stiffness or no kind   @setup
 [[nodiscard]] std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings);
 
 /// What the bearings add to their initial stiffness and to its damping a₁ k, in every time step:
@@ -41,8 +41,7 @@ class BearingField {
   /// @param tested  bearing whose horizontal force comes from elsewhere
   /// @param correction  overwritten: d, 3 × bearings; 0 for the horizontal ones of `tested`
   /// @realtime
-  void advance(const Eigen::Ref<const MatrixXd>& motion, std::size_t tested,
-               VectorXd& correction) RTHS_REALTIME;
+  void advance(const MatrixXd& motion, std::size_t tested, VectorXd& correction) RTHS_REALTIME;
 
   /// Compression of a bearing [N] for an upward displacement [m].
   [[nodiscard]] double compression(std::size_t bearing, double up) const RTHS_REALTIME {
@@ -54,6 +53,13 @@ class BearingField {
       const Eigen::Vector2d& velocity) const RTHS_REALTIME {
     return force - stiffness_[bearing] * (displacement + damping_time_ * velocity);
   }
+  /// Restoring forces f of the bearings, from a motion and its d [N].
+  void forces(const MatrixXd& motion, const VectorXd& correction,
+              VectorXd& forces) const RTHS_REALTIME;
+  /// The damping a₁ k v of initial springs that d takes away [N].
+  void damping(const MatrixXd& motion, VectorXd& forces) const RTHS_REALTIME;
+  /// Strain energy of the initial springs at a displacement [J].
+  [[nodiscard]] double strain(const MatrixXd& motion) const RTHS_REALTIME;
   /// Bearings that have lifted off in any step so far.
   [[nodiscard]] std::size_t lifted() const;
   /// Smallest and largest compression so far [N].

@@ -11,8 +11,9 @@ namespace rths::plant {
 /// Cholesky factor of a sparse symmetric positive definite matrix, by CHOLMOD.
 class Factor {
  public:
-  /// @throws Error naming the first row that is not positive definite, or if there is no memory
-  /// @setup
+  /// @throws Error naming the first row whose pivot is not positive, or below 1e-11 of its
+  /// diagonal:
+  ///         a part moves freely; and if there is no memory   @setup
   explicit Factor(const SparseMatrix& matrix);
   ~Factor();
   Factor(Factor&&) noexcept;

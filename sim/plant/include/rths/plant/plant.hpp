@@ -15,8 +15,29 @@ struct PlantSettings {
   double alpha = -0.05;           ///< of α-OS [-], −⅓…0
   double damping_ratio = 0.02;    ///< of the structure alone, proportional to its stiffness,
   double damping_frequency = 10;  ///< at this frequency [Hz]
+  /// Damping is also proportional to the bearings' initial stiffness, as in programs that damp all
+  /// of K. It is wrong: a bearing that yields keeps the dashpot of its unyielded stiffness.
+  bool damps_bearings = false;
+  bool counts_energy = false;  ///< see Plant::energy; a step takes longer
   std::size_t tested_bearing = 0;
 };
+
+/// Energies since the start [J]. Their balance tests the integration: the bearings' work is that of
+/// the forces that the integration used, at the predicted motion.
+///
+///     kinetic   ½ vᵀM v                      strain   ½ uᵀK u,  of the structure alone
+///     damped    ∫ a₁ vᵀK v dt                also of what PlantSettings or BearingField damps
+///     absorbed  ∫ fᵀB v dt                   by the bearings, tested one included
+///     input     −∫ a_gᵀ(M ι)ᵀ v dt           relative to the ground
+/// Integrals are by the trapezoidal rule.
+struct Energy {
+  double kinetic = 0, strain = 0, damped = 0, absorbed = 0, input = 0;
+
+  /// Of the balance; 0 for an exact integration.
+  [[nodiscard]] double error() const { return input - kinetic - strain - damped - absorbed; }
+};
+
+class EnergyCount;
 
 /// A large plant on nonlinear bearings, one of them tested: α-OS, one time step at a time.
 ///
@@ -41,6 +62,9 @@ class Plant : public sim::Substructure {
   void monitor(std::span<double> values) const RTHS_REALTIME override;
 
   [[nodiscard]] const BearingField& bearings() const { return bearings_; }
+  /// 0 unless the settings ask for it.
+  [[nodiscard]] Energy energy() const RTHS_REALTIME;
+  ~Plant() override;
 
  protected:
   Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMotion motion,
@@ -53,7 +77,12 @@ class Plant : public sim::Substructure {
   /// Motion of the tested bearing in the predicted state: displacement and velocity, 3 × 2.
   [[nodiscard]] virtual Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME = 0;
   /// Motion of all bearings in the predicted state, 3 × bearings rows, 2 columns.
-  virtual void bearing_motion(MatrixXd& motion) const RTHS_REALTIME = 0;
+  void bearing_motion(MatrixXd& motion) const RTHS_REALTIME {
+    motion_at_bearings(state_.predicted_u, state_.predicted_v, motion);
+  }
+  /// The same of any displacement and velocity.
+  virtual void motion_at_bearings(const VectorXd& u, const VectorXd& v,
+                                  MatrixXd& motion) const RTHS_REALTIME = 0;
   /// Solves for the acceleration without the tested bearing's d.
   /// @param ground      (1+α)a_g⁺ − α a_g
   /// @param correction  (1+α)d⁺ − α d of all bearings
@@ -62,6 +91,11 @@ class Plant : public sim::Substructure {
   virtual void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME = 0;
   /// Relative acceleration of the floors, 3 × floors.
   virtual void floor_motion(VectorXd& acceleration) const RTHS_REALTIME = 0;
+  /// M x, K_I x and M ι a_g, for the energy.
+  virtual void multiply_mass(const VectorXd& x, VectorXd& result) const RTHS_REALTIME = 0;
+  virtual void multiply_stiffness(const VectorXd& x, VectorXd& result) const RTHS_REALTIME = 0;
+  virtual void multiply_inertia(const Eigen::Vector3d& ground,
+                                VectorXd& result) const RTHS_REALTIME = 0;
 
   [[nodiscard]] const PlantSettings& settings() const { return settings_; }
   [[nodiscard]] double damping_time() const { return damping_time_; }      ///< a₁ [s]
@@ -79,18 +113,21 @@ class Plant : public sim::Substructure {
   VectorXd correction_, last_correction_, mixed_correction_;
   mutable VectorXd floor_acceleration_;
   Eigen::Vector3d ground_ = Eigen::Vector3d::Zero();
+  std::unique_ptr<EnergyCount> energy_;  // none: not counted
   std::size_t steps_ = 0;
+  friend class EnergyCount;
   bool has_worked_ = true;
 };
 
 /// In the coordinates of a reduced basis: a step takes the same time for any number of degrees of
-/// freedom.   @setup
+/// freedom.
+/// @throws Error if the basis has other bearings or floors, or a setting is out of range   @setup
 [[nodiscard]] std::unique_ptr<Plant> make_reduced(const Basis& basis, const BearingSet& bearings,
                                                   const sim::GroundMotion& motion,
                                                   const std::vector<Floor>& floors,
                                                   const PlantSettings& settings);
 /// With all degrees of freedom, for reference: a sparse solution in each step.
-/// @throws Error as Factor   @setup
+/// @throws Error as Factor, or if a setting is out of range   @setup
 [[nodiscard]] std::unique_ptr<Plant> make_full(const Structure& structure,
                                                const BearingSet& bearings,
                                                const sim::GroundMotion& motion,

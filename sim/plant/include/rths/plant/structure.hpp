@@ -45,7 +45,8 @@ struct Structure {
   [[nodiscard]] double mass_along(std::size_t direction) const;
   /// M ι of each direction, dof × 3 [kg].
   [[nodiscard]] MatrixXd inertia() const;
-  /// K with a spring below each bearing node: along x and y, and up [N/m].   @setup
+  /// K with a spring below each bearing node: along x and y, and up [N/m].
+  /// @throws Error if there is not one for each bearing   @setup
   [[nodiscard]] SparseMatrix on_springs(const std::vector<std::array<double, 3>>& springs) const;
 };
 

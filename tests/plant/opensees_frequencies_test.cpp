@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+//
+// The plant on unyielded bearings here and in OpenSees, from the same mesh.
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include <rths/plant/modes.hpp>
+
+#include "plant/plants.hpp"
+#include "support/files.hpp"
+#include "support/process.hpp"
+#include "support/with_opensees.hpp"
+
+namespace rths::plant {
+namespace {
+
+using test::large_plant;
+using Springs = std::vector<std::array<double, kDirections>>;
+
+constexpr Index kModes = 20;
+constexpr double kTimeout = 100;  // of OpenSees [s]
+
+class Rows {
+ public:
+  explicit Rows(const std::filesystem::path& file) : out_{file} { out_.precision(17); }
+  template <class First, class... Others>
+  void add(const First& first, const Others&... others) {
+    out_ << first;
+    ((out_ << ',' << others), ...);
+    out_ << '\n';
+  }
+
+ private:
+  std::ofstream out_;
+};
+
+void write_plant(const std::filesystem::path& folder, const Springs& springs) {
+  const auto& [mesh, plant, bearings] = large_plant();
+  Rows nodes{folder / "nodes.csv"}, solids{folder / "solids.csv"}, moduli{folder / "moduli.csv"},
+      below{folder / "springs.csv"};
+  for (const auto& [place, dofs] : plant.nodes)
+    nodes.add(place[0], place[1], place[2], plant.mass[dofs[0]]);
+  for (const auto& [n, part] : mesh.solids)
+    solids.add(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], static_cast<int>(part));
+  for (const double modulus : mesh.moduli) moduli.add(modulus, mesh.poisson_ratio);
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    below.add(plant.bearings[i], springs[i][0], springs[i][1], springs[i][2]);
+}
+
+std::vector<double> numbers_of(const std::filesystem::path& file) {
+  std::vector<double> numbers;
+  std::ifstream in{file};
+  for (double number = 0; in >> number;) numbers.push_back(number);
+  return numbers;
+}
+
+using PlantInOpenSees = rths::test::WithOpenSees<>;
+
+TEST_F(PlantInOpenSees, HasTheSameFrequencies) {
+  const rths::test::TemporaryFolder folder;
+  const auto& [mesh, plant, bearings] = large_plant();
+  Springs springs;
+  for (const auto& stiffness : stiffness_of(bearings)) springs.push_back(stiffness.initial);
+  write_plant(folder.path(), springs);
+  const auto script = rths::test::source_tree() / "tests/plant/brick_frequencies.py";
+  rths::test::Running running{
+      {python_, script.string(), folder.path().string(), std::to_string(kModes)}};
+  Factor factor{plant.on_springs(springs)};
+
+  const Modes ours = lowest_modes(factor, plant.mass, kModes);
+  const auto finished = running.wait(kTimeout);
+
+  ASSERT_EQ(finished.exit_code, 0) << finished.err;
+  const auto theirs = numbers_of(folder.path() / "frequencies.csv");
+  ASSERT_EQ(std::ssize(theirs), kModes);
+  double largest = 0;
+  for (Index i = 0; i < kModes; ++i) {
+    const double expected = theirs[static_cast<std::size_t>(i)];
+    largest = std::max(largest, std::abs(ours.frequencies[i] / expected - 1));
+    EXPECT_NEAR(ours.frequencies[i], expected, 1e-4 * expected) << "mode " << i + 1;
+  }
+  RecordProperty("largest_difference_percent", std::to_string(100 * largest));
+}
+
+}  // namespace
+}  // namespace rths::plant
