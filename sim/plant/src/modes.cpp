@@ -2,6 +2,7 @@
 #include <rths/plant/modes.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <Spectra/SymEigsSolver.h>
@@ -15,7 +16,8 @@ namespace {
 constexpr double kTolerance = 1e-8;
 constexpr Index kMostRestarts = 100;
 constexpr Index kFirstModes = 64;
-constexpr double kMore = 1.5;
+// The number of modes of a plant grows as f²; a few too many cost less than another search.
+constexpr double kGrowth = 2.2, kLeastMore = 1.25, kMostMore = 8;
 
 /// M^½ K⁻¹ M^½: its largest values are the inverses of the lowest ω².
 class Flexibility {
@@ -57,8 +59,7 @@ Modes lowest_modes(Factor& factor, const VectorXd& mass, Index count) {
 
 Modes modes_up_to(Factor& factor, const VectorXd& mass, double frequency) {
   const Index most = mass.size() / 2;
-  for (Index count = std::min(kFirstModes, most);;
-       count = std::min(most, static_cast<Index>(kMore * static_cast<double>(count)))) {
+  for (Index count = std::min(kFirstModes, most);;) {
     Modes modes = lowest_modes(factor, mass, count);
     const auto below = (modes.frequencies.array() <= frequency).count();
     if (below < count) {
@@ -69,6 +70,9 @@ Modes modes_up_to(Factor& factor, const VectorXd& mass, double frequency) {
     if (count == most)
       throw Error{
           fmt::format("more than {} modes lie below {:g} Hz: lower the limit", most, frequency)};
+    const double more = std::clamp(std::pow(frequency / modes.frequencies[count - 1], kGrowth),
+                                   kLeastMore, kMostMore);
+    count = std::min(most, static_cast<Index>(more * static_cast<double>(count)));
   }
 }
 
