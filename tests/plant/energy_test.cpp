@@ -24,12 +24,12 @@ PlantSettings counting() {
   return settings;
 }
 
-Energy after(Plant& plant, double duration) {
+EnergyBalance after(Plant& plant, double duration) {
   static_cast<void>(test::drive(plant, lead_rubber(), kTimeStep, duration));
   return plant.energy();
 }
 
-void expect_balance(const Energy& energy) {
+void expect_balance(const EnergyBalance& energy) {
   EXPECT_GT(energy.input, 0);
   EXPECT_GT(energy.kinetic, 0);
   EXPECT_GT(energy.strain, 0);
@@ -43,7 +43,7 @@ TEST(Energy, OfTheReducedPlantIsBalanced) {
   const auto plant =
       make_reduced(large_basis(), bearings, test::petrolia(), structure.floors, counting());
 
-  const Energy energy = after(*plant, 6);
+  const EnergyBalance energy = after(*plant, 6);
 
   expect_balance(energy);
   RecordProperty("error_percent", std::to_string(100 * energy.error() / energy.input));
@@ -56,11 +56,11 @@ TEST(Energy, IsTheSameInTheFullPlant) {
       make_reduced(large_basis(), bearings, test::petrolia(), structure.floors, counting());
   const auto full = make_full(structure, bearings, test::petrolia(), counting());
 
-  const Energy expected = after(*full, kShort), found = after(*reduced, kShort);
+  const EnergyBalance expected = after(*full, kShort), found = after(*reduced, kShort);
 
   expect_balance(expected);
-  for (const auto member :
-       {&Energy::kinetic, &Energy::strain, &Energy::damped, &Energy::absorbed, &Energy::input})
+  for (const auto member : {&EnergyBalance::kinetic, &EnergyBalance::strain, &EnergyBalance::damped,
+                            &EnergyBalance::absorbed, &EnergyBalance::input})
     EXPECT_NEAR(found.*member, expected.*member, 1e-2 * expected.input);
 }
 

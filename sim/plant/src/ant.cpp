@@ -179,9 +179,9 @@ ElementMatrix stiffness_of(const std::array<double, 3>& size, double modulus,
 }
 
 /// Element matrices, which are the same for all boxes of one size and part.
-class ElementMatrices {
+class SolidMatrices {
  public:
-  explicit ElementMatrices(const AntMesh& mesh) : mesh_{mesh} {}
+  explicit SolidMatrices(const AntMesh& mesh) : mesh_{mesh} {}
   const ElementMatrix& of(const Solid& solid) {
     const auto size = size_of(mesh_, solid);
     constexpr double kSame = 1e-6;  // [m]
@@ -203,7 +203,7 @@ template <class Includes>
 void add_solids(const AntMesh& mesh, const Includes& includes, Structure& structure, Index dofs) {
   std::vector<Eigen::Triplet<double>> entries;
   structure.mass = VectorXd::Zero(dofs);
-  ElementMatrices matrices{mesh};
+  SolidMatrices matrices{mesh};
   for (const auto& solid : mesh.solids) {
     if (!includes(solid)) continue;
     const ElementMatrix& K = matrices.of(solid);

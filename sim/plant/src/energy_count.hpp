@@ -9,7 +9,7 @@ namespace rths::plant {
 class EnergyCount {
  public:
   explicit EnergyCount(const Plant& plant);
-  [[nodiscard]] const Energy& energy() const { return energy_; }
+  [[nodiscard]] const EnergyBalance& energy() const { return energy_; }
   /// After the step is corrected.   @realtime
   void add_step(const Plant& plant) RTHS_REALTIME;
 
@@ -23,7 +23,7 @@ class EnergyCount {
   void find_forces(const Plant& plant) RTHS_REALTIME;
   void find_levels(const Plant& plant) RTHS_REALTIME;
 
-  Energy energy_;
+  EnergyBalance energy_;
   Forces now_, before_;
   VectorXd last_displacement_, product_;
   MatrixXd corrected_, last_corrected_;  // motion at the bearings

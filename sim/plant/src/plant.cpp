@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
@@ -65,7 +66,9 @@ void Plant::begin_at_rest(Index size) {
 
 Plant::~Plant() = default;
 
-Energy Plant::energy() const noexcept { return energy_ ? energy_->energy() : Energy{}; }
+EnergyBalance Plant::energy() const noexcept {
+  return energy_ ? energy_->energy() : EnergyBalance{};
+}
 
 std::vector<sim::InterfaceDof> Plant::interface() const { return sim::plant_interface(); }
 
@@ -119,8 +122,8 @@ void Plant::correct(std::span<const double> force) noexcept {
 std::vector<sim::MonitoredQuantity> Plant::monitors() const {
   std::vector<sim::MonitoredQuantity> monitors;
   const auto add = [&](const std::string& place) {
-    for (const char* axis : {"long", "lat", "vert"})
-      monitors.push_back({place + ".accel." + axis, "m/s2"});
+    for (const Axis axis : kTranslations)
+      monitors.push_back({place + ".accel." + name_of(axis), "m/s2"});
   };
   add("ground");
   for (const auto& floor : floors_) add("floor." + floor);

@@ -26,9 +26,9 @@ constexpr const char* kDofs[kDirections] = {"dof_x", "dof_y", "dof_z"};
 constexpr const char* kPlaces[kDirections] = {"x_m", "y_m", "z_m"};
 
 /// A table with a given header: cells of its rows, in turn.
-class Table {
+class TableFile {
  public:
-  Table(const std::filesystem::path& file, std::string_view header)
+  TableFile(const std::filesystem::path& file, std::string_view header)
       : lines_{file}, columns_{cells_of(header, ',').size()} {
     const auto found = cells_of(lines_.next().value_or(""), ',');
     if (found != cells_of(header, ','))
@@ -73,7 +73,7 @@ class Once {
 class NodeNumbers {
  public:
   void read(const std::filesystem::path& file, Structure& structure) {
-    Table table{file, kNodesHeader};
+    TableFile table{file, kNodesHeader};
     const FileLines& lines = table.lines();
     Once<Index> nodes{lines, "node"}, dofs{lines, "row"};
     while (const auto cells = table.next()) {
@@ -110,7 +110,7 @@ class NodeNumbers {
 
 void read_bearings(const std::filesystem::path& file, const NodeNumbers& numbers,
                    Structure& structure) {
-  Table table{file, kBearingsHeader};
+  TableFile table{file, kBearingsHeader};
   Once<Index> bearings{table.lines(), "node"};
   while (const auto cells = table.next()) {
     structure.bearings.push_back(numbers.node((*cells)[0], table.lines(), structure));
@@ -132,7 +132,7 @@ std::string name_error(std::string_view name) {
 
 void read_floors(const std::filesystem::path& file, const NodeNumbers& numbers,
                  Structure& structure) {
-  Table table{file, kFloorsHeader};
+  TableFile table{file, kFloorsHeader};
   Once<std::string> names{table.lines(), "floor"};
   while (const auto cells = table.next()) {
     const std::string name{(*cells)[0]};

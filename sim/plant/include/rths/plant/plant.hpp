@@ -30,7 +30,7 @@ struct PlantSettings {
 ///     absorbed  ∫ fᵀB v dt                   by the bearings, tested one included
 ///     input     −∫ a_gᵀ(M ι)ᵀ v dt           relative to the ground
 /// Integrals are by the trapezoidal rule.
-struct Energy {
+struct EnergyBalance {
   double kinetic = 0, strain = 0, damped = 0, absorbed = 0, input = 0;
 
   /// Of the balance; 0 for an exact integration.
@@ -63,7 +63,7 @@ class Plant : public sim::Substructure {
 
   [[nodiscard]] const BearingField& bearings() const { return bearings_; }
   /// 0 unless the settings ask for it.
-  [[nodiscard]] Energy energy() const RTHS_REALTIME;
+  [[nodiscard]] EnergyBalance energy() const RTHS_REALTIME;
   ~Plant() override;
 
  protected:
