@@ -148,6 +148,18 @@ TEST(Factor, RefusesAStructureWithoutItsBearings) {
   }
 }
 
+TEST(Factor, RefusesAPivotThatIsLeftByRounding) {
+  SparseMatrix matrix(2, 2);
+  matrix.coeffRef(0, 0) = 1;
+  matrix.coeffRef(0, 1) = matrix.coeffRef(1, 0) = -1;
+  matrix.coeffRef(1, 1) = 1 + 1e-14;
+
+  EXPECT_NE(error_of([&] { Factor{matrix}; }).find("not positive definite at row"),
+            std::string::npos);
+  matrix.coeffRef(1, 1) = 1 + 1e-6;
+  EXPECT_EQ(error_of([&] { Factor{matrix}; }), "");
+}
+
 TEST(Factor, RefusesAnIndefiniteMatrix) {
   SparseMatrix matrix(3, 3);
   matrix.setIdentity();

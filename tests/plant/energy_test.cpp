@@ -29,13 +29,16 @@ EnergyBalance after(Plant& plant, double duration) {
   return plant.energy();
 }
 
+// Of the input. Measured: 1.2e-5 after the first 1.5 s, 4e-7 after 6 s.
+constexpr double kBound = 1e-4;
+
 void expect_balance(const EnergyBalance& energy) {
   EXPECT_GT(energy.input, 0);
   EXPECT_GT(energy.kinetic, 0);
   EXPECT_GT(energy.strain, 0);
   EXPECT_GT(energy.damped, 0);
   EXPECT_GT(energy.absorbed, 0);
-  EXPECT_LE(std::abs(energy.error()), 1e-3 * energy.input);
+  EXPECT_LE(std::abs(energy.error()), kBound * energy.input);
 }
 
 TEST(Energy, OfTheReducedPlantIsBalanced) {

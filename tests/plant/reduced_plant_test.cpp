@@ -100,24 +100,36 @@ TEST(FullPlant, HasTheSameResponseWithAnotherTestedBearing) {
   EXPECT_GT(corner.cwiseAbs().maxCoeff(), 0.1) << "the plant hardly moves";
 }
 
-TEST(ReducedPlant, IsRealTime) {
-  const auto& [mesh, structure, bearings] = large_plant();
+PlantSettings counting_settings() {
   PlantSettings counting = settings();
   counting.counts_energy = true;
-  const auto plant =
-      make_reduced(large_basis(), bearings, test::petrolia(), structure.floors, counting);
+  return counting;
+}
+
+void expect_real_time(Plant& plant) {
   std::array<double, 3> target{}, rate{};
   const std::array<double, 3> force{1e5, 2e5, 0};
-  std::vector<double> monitored(plant->monitors().size());
+  std::vector<double> monitored(plant.monitors().size());
 
   // Each needs the one before.
   const auto step = [&] {
-    plant->predict(target, rate);
-    plant->work_ahead();
-    plant->correct(force);
+    plant.predict(target, rate);
+    plant.work_ahead();
+    plant.correct(force);
   };
   EXPECT_REALTIME(step());
-  EXPECT_REALTIME(plant->monitor(monitored));
+  EXPECT_REALTIME(plant.monitor(monitored));
+}
+
+TEST(ReducedPlant, IsRealTime) {
+  const auto& [mesh, structure, bearings] = large_plant();
+  expect_real_time(*make_reduced(large_basis(), bearings, test::petrolia(), structure.floors,
+                                 counting_settings()));
+}
+
+TEST(FullPlant, IsRealTime) {
+  const auto& [mesh, structure, bearings] = large_plant();
+  expect_real_time(*make_full(structure, bearings, test::petrolia(), counting_settings()));
 }
 
 TEST(ReducedPlant, MonitorsTheGroundAndEachFloor) {

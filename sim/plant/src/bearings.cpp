@@ -88,8 +88,9 @@ void BearingField::advance(const MatrixXd& motion, std::size_t tested,
     least_ = std::min(least_, load);
     largest_ = std::max(largest_, load);
     if (load < 0) has_lifted_[i] = 1;
-    // Up is positive: what a lifted bearing lacks is a force downwards less than k u.
-    correction[row + 2] = load < 0 ? load * (1 - tension_share_) : 0;
+    // Up is positive: a lifted bearing pulls down less than k u + a₁ k v.
+    const double carried = load - damping_time_ * vertical_stiffness_ * motion(row + 2, 1);
+    correction[row + 2] = carried < 0 ? carried * (1 - tension_share_) : 0;
     if (i == tested) {
       correction[row] = correction[row + 1] = 0;
       continue;

@@ -12,8 +12,8 @@
 namespace rths::plant {
 namespace {
 
-// Rounding leaves 1e-16 to 1e-13 of the diagonal where nothing holds a part; a plant on its
-// softest bearings keeps 1e-4.
+// Of the diagonal. Rounding leaves up to 1e-13 where nothing holds a part, of either sign; a plant
+// on post-yield bearings keeps 3e-3.
 constexpr double kLeastPivot = 1e-11;
 
 // Squares of the diagonal of a supernodal factor, in the factor's order.

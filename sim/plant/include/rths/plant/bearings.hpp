@@ -29,7 +29,8 @@ struct BearingStiffness {
 [[nodiscard]] std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings);
 
 /// What the bearings add to their initial stiffness and to its damping a₁ k, in every time step:
-///     d = f(u, v) − k (u + a₁ v)   horizontally;  vertically the part of lift-off alone
+///     d = f(u, v) − k (u + a₁ v)                      horizontally
+///     d = (1 − tension share) min(weight − k (u + a₁ v), 0)   vertically: lift-off alone
 class BearingField {
  public:
   /// @param weights  static compression of each bearing [N]

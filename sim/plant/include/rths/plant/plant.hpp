@@ -22,13 +22,13 @@ struct PlantSettings {
   std::size_t tested_bearing = 0;
 };
 
-/// Energies since the start [J]. Their balance tests the integration: the bearings' work is that of
-/// the forces that the integration used, at the predicted motion.
+/// Energies since the start [J], relative to the ground. Their balance tests the integration: the
+/// bearings' work is that of the forces that it used, which are those at the predicted motion.
 ///
-///     kinetic   ½ vᵀM v                      strain   ½ uᵀK u,  of the structure alone
-///     damped    ∫ a₁ vᵀK v dt                also of what PlantSettings or BearingField damps
-///     absorbed  ∫ fᵀB v dt                   by the bearings, tested one included
-///     input     −∫ a_gᵀ(M ι)ᵀ v dt           relative to the ground
+///     kinetic   ½ vᵀM v                   strain   ½ uᵀK u,  of the structure alone
+///     damped    ∫ a₁ vᵀK v dt,            and of the bearings' vertical springs
+///     absorbed  ∫ fᵀB v dt                by the bearings, the tested one included
+///     input     −∫ a_gᵀ(M ι)ᵀ v dt
 /// Integrals are by the trapezoidal rule.
 struct EnergyBalance {
   double kinetic = 0, strain = 0, damped = 0, absorbed = 0, input = 0;
