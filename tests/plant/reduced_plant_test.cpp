@@ -84,12 +84,12 @@ TEST(ReducedPlant, DiffersFromTheFullPlantIfItDampsItsBearings) {
 // It does not matter which bearing is outside: its force is that of the others.
 TEST(FullPlant, HasTheSameResponseWithAnotherTestedBearing) {
   constexpr double kLongStep = 0.01, kShort = 2;  // [s]
-  const auto& [mesh, structure, bearings] = large_plant();
+  const auto& large = large_plant();
   const auto floors_with = [&](std::size_t tested) {
     PlantSettings settings;
     settings.time_step = kLongStep;
     settings.tested_bearing = tested;
-    const auto plant = make_full(structure, bearings, test::petrolia(), settings);
+    const auto plant = make_full(large.structure, large.bearings, test::petrolia(), settings);
     return drive(*plant, lead_rubber(), kLongStep, kShort).floors;
   };
 

@@ -20,18 +20,18 @@ using rths::test::error_of;
 TEST(StructureFiles, GiveTheResponseOfTheGeneratedPlant) {
   constexpr double kStep = 0.01, kLength = 1;  // [s]
   const rths::test::TemporaryFolder folder;
-  const auto& [mesh, generated, bearings] = test::large_plant();
-  write_structure(generated, StructureFiles::in(folder.path()));
+  const auto& generated = test::large_plant();
+  write_structure(generated.structure, StructureFiles::in(folder.path()));
 
   const Structure read = read_structure(StructureFiles::in(folder.path()));
 
   const auto floors_of = [&](const Structure& structure) {
     PlantSettings settings;
     settings.time_step = kStep;
-    const auto plant = make_full(structure, bearings, test::petrolia(), settings);
+    const auto plant = make_full(structure, generated.bearings, test::petrolia(), settings);
     return test::drive(*plant, test::lead_rubber(), kStep, kLength).floors;
   };
-  const MatrixXd expected = floors_of(generated);
+  const MatrixXd expected = floors_of(generated.structure);
   EXPECT_GT(expected.norm(), 0);
   EXPECT_LE(test::difference(floors_of(read), expected), 1e-12 * 100);
 }

@@ -5,6 +5,8 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <optional>
+#include <string>
 
 #include <fmt/format.h>
 
