@@ -138,7 +138,8 @@ void measure(const std::filesystem::path& repository) {
   for (const auto& record : kRecords) {
     const auto motion = sim::read_motion(repository / "examples/records" / record.file,
                                          record.columns, record.scale);
-    const auto fine = loop::numerical_response(plant, motion, bearing, kSpecimenStep, kDuration);
+    const auto fine =
+        loop::numerical_response(sim::StickModel{plant}, motion, bearing, kSpecimenStep, kDuration);
     for (const auto& tried : kCases) {
       double us = 0;
       const auto found = perfect_test(plant, motion, bearing, tried, us);

@@ -30,7 +30,7 @@ void read_laboratory(const Config& file, const std::string& improvement, Experim
   const Config assumed_changes = file.table_or_empty("model").table_or_empty("specimen");
   if (!assumed_changes.has("model")) check_units(assumed_changes, specimen);
   static_cast<void>(specimen.text("model", ""));
-  const double weight = sim::weight_per_bearing(experiment.plant.structure);
+  const double weight = experiment.plant.structure->weight();
   experiment.specimen = sim::read_bearing(specimen, weight);
   experiment.config.emplace_back(path.filename().string(), read_file(path, kMostTextBytes));
   const Config machine = file.table_or_empty("machine");

@@ -211,7 +211,7 @@ Plant read_plant(const Config& file) {
     for (const auto& stick : table.tables("stick")) plant.sticks.push_back(read_stick(stick));
   }
   table.reject_unknown_keys();
-  return {std::move(plant), file.has("plant")};
+  return {std::make_shared<sim::StickModel>(plant), file.has("plant")};
 }
 
 Solver read_solver(const Config& table) {

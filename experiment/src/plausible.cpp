@@ -82,8 +82,8 @@ void check_specimen(const Experiment& experiment) {
 
 void check_response(const Experiment& experiment, std::vector<std::string>& remarks) {
   const auto response = loop::numerical_response(
-      sim::assemble(experiment.plant.structure), experiment.tested_motion(),
-      experiment.model.bearing, kStep, std::min(experiment.time.duration, kLongestAnalysis));
+      *experiment.plant.structure, experiment.tested_motion(), experiment.model.bearing, kStep,
+      std::min(experiment.time.duration, kLongestAnalysis));
   const double weight = experiment.model.bearing.axial_load;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double motion =

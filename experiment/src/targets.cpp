@@ -178,9 +178,9 @@ DisplacementHistory read_displacements(const Config& table) {
 
 // The motion that a test is expected to have: that of the purely numerical result.
 DisplacementHistory expected_motion(const Experiment& experiment) {
-  const auto response = loop::numerical_response(
-      sim::assemble(experiment.plant.structure), experiment.tested_motion(),
-      experiment.model.bearing, kReferenceStep, experiment.time.duration);
+  const auto response =
+      loop::numerical_response(*experiment.plant.structure, experiment.tested_motion(),
+                               experiment.model.bearing, kReferenceStep, experiment.time.duration);
   DisplacementHistory history = empty_history(experiment);
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto& found = axis == 0 ? response.displacement_long : response.displacement_lat;

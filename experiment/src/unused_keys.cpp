@@ -83,7 +83,7 @@ void check_vertical(const Config& file, const Experiment& experiment) {
   const auto has_vertical = [](const sim::GroundMotion& motion) {
     return !motion.vert_acceleration.empty();
   };
-  if (has_vertical(experiment.earthquake.motion) || experiment.plant.structure.overturns() ||
+  if (has_vertical(experiment.earthquake.motion) || experiment.plant.structure->overturns() ||
       (experiment.held_out && has_vertical(*experiment.held_out)))
     return;
   const Config table = file.table_or_empty("plant");

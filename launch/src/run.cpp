@@ -156,7 +156,6 @@ void add_to_meta(const std::filesystem::path& file, const Experiment& experiment
 
 void check_assembly(const Experiment& experiment) {
   static_cast<void>(assemble(experiment, ClockKind::Virtual, {}));
-  static_cast<void>(sim::assemble(experiment.plant.structure));  // for the purely numerical result
   for (const auto& plan : experiment.nodes)
     if (plan.settings.check) plan.settings.check();
 }

@@ -147,12 +147,12 @@ void run_companion(const Experiment& experiment, const std::filesystem::path& re
 
 // The project's own structure, isolated and on a fixed base.
 void write_analysis(const Experiment& experiment, const std::filesystem::path& recording) {
-  const sim::PlantMatrices plant = sim::assemble(experiment.plant.structure);
+  const sim::StructureModel& structure = *experiment.plant.structure;
   const sim::GroundMotion motion = experiment.tested_motion();
-  const auto isolated = loop::numerical_response(plant, motion, experiment.model.bearing,
+  const auto isolated = loop::numerical_response(structure, motion, experiment.model.bearing,
                                                  kReferenceStep, experiment.time.duration);
-  const auto fixed = loop::numerical_response(plant.fixed_base(), motion, experiment.model.bearing,
-                                              kReferenceStep, experiment.time.duration);
+  const auto fixed =
+      loop::fixed_base_response(structure, motion, kReferenceStep, experiment.time.duration);
   std::vector<double> ground_long;
   std::vector<double> ground_lat;
   for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {

@@ -41,7 +41,7 @@ void add_response_bands(const std::filesystem::path& experiment,
   const Experiment fitted = improved(improvement.fragment);
   if (fitted.reference || fitted.history || !fitted.solves_plant()) return;
   budget::UncertainSimulation simulation;
-  simulation.plant = sim::assemble(fitted.plant.structure);
+  simulation.structure = fitted.plant.structure;
   simulation.motion = fitted.tested_motion();
   simulation.time_step = experiment::kReferenceStep;
   simulation.duration = fitted.time.duration;

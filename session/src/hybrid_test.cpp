@@ -188,7 +188,7 @@ loop::ForceCorrection correction_of(const Experiment& experiment) {
 
 budget::HybridTest hybrid_test_of(const Experiment& experiment, const Reader& run) {
   budget::HybridTest test;
-  test.plant = sim::assemble(experiment.plant.structure);
+  test.structure = experiment.plant.structure;
   test.motion = experiment.tested_motion();
   test.alpha = experiment.solver.alpha;
   test.substeps = experiment.solver.substeps;

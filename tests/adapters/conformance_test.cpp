@@ -21,7 +21,7 @@ namespace {
 
 std::unique_ptr<Adapter> make_sample_numerical() {
   NumericalSettings settings;
-  settings.plant = sim::example_plant();
+  settings.structure = std::make_shared<sim::StickModel>(sim::example_plant());
   settings.motion = {0.01, std::vector<double>(500, 1.0), std::vector<double>(500, 0.5)};
   settings.bearing_initial_stiffness = test::kInitialStiffness;
   return make_numerical(settings);

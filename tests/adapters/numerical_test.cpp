@@ -25,7 +25,7 @@ sim::GroundMotion pulse() {
 
 NumericalSettings numerical_settings() {
   NumericalSettings s;
-  s.plant = sim::example_plant();
+  s.structure = std::make_shared<sim::StickModel>(sim::example_plant());
   s.motion = pulse();
   s.bearing_initial_stiffness = test::kInitialStiffness;
   s.duration = 0.5;
@@ -253,7 +253,7 @@ TEST(Numerical, SendsTheVerticalForceToTheSpecimen) {
   s.motion.vert_acceleration = s.motion.long_acceleration;
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
-  sim::PlantAnalysis analysis{sim::assemble(s.plant), s.motion, s.bearing_initial_stiffness,
+  sim::PlantAnalysis analysis{*s.structure->matrices(), s.motion, s.bearing_initial_stiffness,
                               s.integration_step, s.alpha};
 
   for (int target = 1; target <= 20; ++target) {
@@ -271,7 +271,7 @@ TEST(Numerical, IntegratesTheMeasuredVerticalForce) {
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
   partner.bench.in("daq.vert.force.fbk") = 1e6;
-  sim::PlantAnalysis analysis{sim::assemble(s.plant), s.motion, s.bearing_initial_stiffness,
+  sim::PlantAnalysis analysis{*s.structure->matrices(), s.motion, s.bearing_initial_stiffness,
                               s.integration_step,     s.alpha,  sim::VerticalFeedback::Measured};
 
   for (int target = 1; target <= 2; ++target) {
@@ -286,10 +286,12 @@ TEST(Numerical, IntegratesTheMeasuredVerticalForce) {
 // Without a vertical component of the motion, overturning alone varies the load.
 TEST(Numerical, SendsTheOverturningOfABearingOffTheCentre) {
   NumericalSettings s = numerical_settings();
-  s.plant.bearing_lat = 40;
+  sim::IsolatedPlant plant = sim::example_plant();
+  plant.bearing_lat = 40;
+  s.structure = std::make_shared<sim::StickModel>(plant);
   const auto solver = make_numerical(s);
   Partner partner{*solver, {"long", "lat"}};
-  sim::PlantAnalysis analysis{sim::assemble(s.plant), s.motion, s.bearing_initial_stiffness,
+  sim::PlantAnalysis analysis{*s.structure->matrices(), s.motion, s.bearing_initial_stiffness,
                               s.integration_step, s.alpha};
 
   while (partner.targets < 1) ASSERT_EQ(partner.tick(), Status::Ok);

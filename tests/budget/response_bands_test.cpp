@@ -29,7 +29,7 @@ sim::Bearing spring(double stiffness) {
 
 UncertainSimulation oscillator() {
   UncertainSimulation simulation;
-  auto& plant = simulation.plant;
+  sim::PlantMatrices plant;
   plant.M = kMass * Eigen::Matrix2d::Identity();
   plant.C = plant.K = Eigen::Matrix2d::Zero();
   plant.iota = Eigen::Matrix2d::Identity();
@@ -38,6 +38,7 @@ UncertainSimulation oscillator() {
   plant.mass_per_bearing = kMass;
   plant.vertical_frequency = 10;
   plant.vertical_damping = 0.05;
+  simulation.structure = std::make_shared<sim::StickModel>(plant);
   simulation.motion.time_step = 0.01;
   simulation.motion.long_acceleration.assign(1000, kAcceleration);
   simulation.motion.lat_acceleration.assign(1000, 0);
@@ -143,7 +144,7 @@ TEST(ResponseBands, ContainTheTruePeakAsOftenAsTheyState) {
 // Spectra exist for each floor, with a band around the value.
 TEST(ResponseBands, SurroundTheSpectrumOfEachFloor) {
   auto simulation = oscillator();
-  simulation.plant = sim::assemble(sim::example_plant());
+  simulation.structure = std::make_shared<sim::StickModel>(sim::example_plant());
   simulation.fitted = spring(4e6);
   simulation.deviating = {spring(4.1e6), spring(3.9e6)};
   simulation.time_step = 0.005;

@@ -101,7 +101,7 @@ Path recorded(double amplitude, double time_step) {
   for (const double a : h1.values) motion.long_acceleration.push_back(a * kStandardGravity);
   for (const double a : h2.values) motion.lat_acceleration.push_back(a * kStandardGravity);
   const auto response = loop::numerical_response(
-      assemble(example_plant()), motion, test::plain_lead_rubber(), time_step, record_duration());
+      StickModel{example_plant()}, motion, test::plain_lead_rubber(), time_step, record_duration());
   double peak = 0;
   for (std::size_t i = 0; i < response.displacement_long.size(); ++i)
     peak = std::max(peak, std::hypot(response.displacement_long[i], response.displacement_lat[i]));

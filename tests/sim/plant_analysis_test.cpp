@@ -245,10 +245,10 @@ TEST(PlantAnalysis, StepsInRealTime) {
 // The numerical result at 10 ms, the hybrid test's step, against 1 ms.
 TEST(NumericalResponse, HardlyDependsOnTheStep) {
   const PlantMatrices plant = assemble(example_plant());
-  const auto coarse =
-      loop::numerical_response(plant, sine_motion(), test::plain_lead_rubber(), 0.01, 10);
-  const auto fine =
-      loop::numerical_response(plant, sine_motion(), test::plain_lead_rubber(), 0.001, 10);
+  const auto coarse = loop::numerical_response(StickModel{plant}, sine_motion(),
+                                               test::plain_lead_rubber(), 0.01, 10);
+  const auto fine = loop::numerical_response(StickModel{plant}, sine_motion(),
+                                             test::plain_lead_rubber(), 0.001, 10);
 
   const auto peak = [](const std::vector<double>& values) {
     double largest = 0;
@@ -266,7 +266,7 @@ TEST(NumericalResponse, HardlyDependsOnTheStep) {
 double difference_from_fine(int substeps) {
   const PlantMatrices plant = assemble(example_plant());
   const Bearing bearing = test::plain_lead_rubber();
-  const auto fine = loop::numerical_response(plant, sine_motion(), bearing, 1e-3, 10);
+  const auto fine = loop::numerical_response(StickModel{plant}, sine_motion(), bearing, 1e-3, 10);
   PlantAnalysis analysis{plant,   sine_motion(), initial_stiffness(bearing),
                          0.01,    -0.05,         VerticalFeedback::Model,
                          substeps};

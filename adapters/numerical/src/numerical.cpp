@@ -77,10 +77,9 @@ class PlayedTargets final : public sim::Substructure {
 std::unique_ptr<sim::Substructure> make_substructure(const NumericalSettings& settings) {
   if (settings.history)
     return std::make_unique<PlayedTargets>(*settings.history, settings.integration_step);
-  return std::make_unique<sim::PlantAnalysis>(
-      sim::assemble(settings.plant), settings.motion.along(horizontal_among(settings.axes)),
-      settings.bearing_initial_stiffness, settings.integration_step, settings.alpha,
-      settings.vertical_feedback, settings.substeps);
+  return settings.structure->analysis(
+      {settings.motion.along(horizontal_among(settings.axes)), settings.bearing_initial_stiffness,
+       settings.integration_step, settings.alpha, settings.vertical_feedback, settings.substeps});
 }
 
 constexpr std::size_t kVertical = 2;  // in the interface of the plant
@@ -91,8 +90,8 @@ class Numerical final : public Adapter {
   explicit Numerical(const NumericalSettings& settings)
       : settings_{settings},
         axes_{settings.axes.size()},
-        is_vertical_{!settings.history &&
-                     (!settings.motion.vert_acceleration.empty() || settings.plant.overturns())},
+        is_vertical_{!settings.history && (!settings.motion.vert_acceleration.empty() ||
+                                           settings.structure->overturns())},
         reads_vertical_{settings.vertical_feedback == sim::VerticalFeedback::Measured},
         substructure_{make_substructure(settings)},
         handshake_{settings.wait_deadline, settings.handshake} {
@@ -167,6 +166,7 @@ class Numerical final : public Adapter {
       post(step);
       return Status::Ok;
     }
+    work_ahead();
     const Status status =
         handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
     if (handshake_.is_ready()) at_target(step);
@@ -195,8 +195,16 @@ class Numerical final : public Adapter {
     computing_time_ = computing_times_ ? computing_times_->draw() : 0;
   }
 
+  // In a step after that of the target: the machine moves meanwhile.
+  void work_ahead() noexcept {
+    if (has_worked_) return;
+    substructure_->work_ahead();
+    has_worked_ = true;
+  }
+
   void post(const StepData& step) noexcept {
     ++steps_;
+    has_worked_ = false;
     for (std::size_t i = 0; i < axes_; ++i) {
       step.outputs[2 * i] = target_[places_[i]];
       step.outputs[2 * i + 1] = rate_[places_[i]];
@@ -222,7 +230,7 @@ class Numerical final : public Adapter {
   std::vector<double> target_, rate_, force_;  ///< of the interface; untested axes have no force
   std::optional<ComputingTimes> computing_times_;
   OpfHandshake handshake_;
-  bool is_computing_ = false;
+  bool is_computing_ = false, has_worked_ = true;
   double acquired_ = 0;        ///< start of the computation [s]
   double computing_time_ = 0;  ///< of the current step [s]
   std::uint64_t steps_ = 0;
@@ -241,7 +249,7 @@ std::unique_ptr<Adapter> make_numerical_node(const Experiment& setup, const Node
   NumericalSettings settings;
   settings.handshake = handshake;
   settings.axes = setup.axes;
-  settings.plant = setup.plant.structure;
+  settings.structure = setup.plant.structure;
   settings.motion = setup.earthquake.motion;
   settings.bearing_initial_stiffness = sim::initial_stiffness(setup.model.bearing);
   settings.integration_step = setup.time.integration_step;

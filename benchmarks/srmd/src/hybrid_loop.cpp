@@ -145,9 +145,10 @@ loop::ClosedLoopSettings loop_settings(const PlatenTest& test) {
   return settings;
 }
 
-void note(const sim::PlantAnalysis& analysis, loop::ResponseHistory& response) {
+void note(const sim::PlantAnalysis& analysis, loop::FloorMonitor& floors,
+          loop::ResponseHistory& response) {
   response.append_displacement(analysis.base_displacement());
-  response.append_floors(analysis);
+  floors.append(analysis, response);
 }
 
 long steps_of(const PlatenTest& test) { return std::lround(test.duration / kIntegrationStep); }
@@ -190,8 +191,9 @@ Controller inverse_controller(const sim::machine::PlatenMachine& nominal,
 
 HybridHistory run_hybrid(const PlatenTest& test, const Controller& controller) {
   HybridHistory history;
-  history.response = {test.plant, kIntegrationStep};
+  history.response = {test.plant.floor_names, kIntegrationStep};
   sim::PlantAnalysis analysis = analysis_of(test);
+  loop::FloorMonitor floors{analysis, history.response};
   PlatenTransfer transfer{test, controller};
   transfer.records_commands = true;
   loop::ClosedLoop loop{analysis, transfer, loop_settings(test)};
@@ -202,7 +204,7 @@ HybridHistory run_hybrid(const PlatenTest& test, const Controller& controller) {
   for (long tick = 0; tick < most && loop.targets() <= steps && history.stable; ++tick) {
     const std::size_t ended = loop.steps();
     loop.tick();
-    if (loop.steps() > ended) note(analysis, history.response);
+    if (loop.steps() > ended) note(analysis, floors, history.response);
     history.stable = loop.target().norm() < test.machine.limits.stroke.norm();
   }
   history.axes = std::move(transfer.history);
@@ -223,8 +225,9 @@ std::array<AxisHistory, 2> replay(const PlatenTest& test, const HybridHistory& f
 }
 
 loop::ResponseHistory numerical_loop(const PlatenTest& test) {
-  loop::ResponseHistory response{test.plant, kIntegrationStep};
+  loop::ResponseHistory response{test.plant.floor_names, kIntegrationStep};
   sim::PlantAnalysis analysis = analysis_of(test);
+  loop::FloorMonitor floors{analysis, response};
   loop::PerfectMachine machine{test.machine.specimen, kIntegrationStep, kSpecimenSteps};
   loop::ClosedLoopSettings settings;
   settings.period = kIntegrationStep;
@@ -232,7 +235,7 @@ loop::ResponseHistory numerical_loop(const PlatenTest& test) {
   loop::ClosedLoop loop{analysis, machine, settings};
   for (long step = 0; step < steps_of(test); ++step) {
     loop.tick();
-    note(analysis, response);
+    note(analysis, floors, response);
   }
   return response;
 }

@@ -175,14 +175,9 @@ loop::AxisMeasurement ModelledTransfer::with_noise() const {
 constexpr double kRounding = 1e-9;  // of a count of steps times their length [s]
 
 // As identified: a target per integration step.
-sim::PlantAnalysis analysis_of(const HybridTest& test) {
-  return {test.plant,
-          test.motion,
-          test.implicit_stiffness,
-          test.integration_step,
-          test.alpha,
-          sim::VerticalFeedback::Model,
-          test.substeps};
+std::unique_ptr<sim::Substructure> analysis_of(const HybridTest& test) {
+  return test.structure->analysis({test.motion, test.implicit_stiffness, test.integration_step,
+                                   test.alpha, sim::VerticalFeedback::Model, test.substeps});
 }
 
 // A host that is as simulated is never late.
@@ -226,11 +221,12 @@ void append(const VectorXd& target, Response& response) {
 // As simulated: a target per controller period, which is its command.
 Response run_with_fine_steps(const HybridTest& test, Parts identified) {
   const double step = test.period / test.rate;  // model time
-  sim::PlantAnalysis analysis{test.plant, test.motion, test.implicit_stiffness, step, test.alpha};
+  const auto analysis =
+      test.structure->analysis({test.motion, test.implicit_stiffness, step, test.alpha});
   const auto settings = settings_of(test, identified);
   ModelledTransfer transfer{test, identified,
                             settings.host.order.machine_ticks(test.host.first_target + 1)};
-  loop::ClosedLoop loop{analysis, transfer, settings};
+  loop::ClosedLoop loop{*analysis, transfer, settings};
   Response response;
   const auto steps = static_cast<std::size_t>(std::llround(test.duration / step));
   const auto per_sample = std::max<std::size_t>(
@@ -252,9 +248,9 @@ Response run_with_its_steps(const HybridTest& test, Parts identified) {
   command.axes = 2;
   command.integration_step = test.integration_step;
   command.simulation_step = test.rate * test.integration_step;
-  sim::PlantAnalysis analysis = analysis_of(test);
+  const auto analysis = analysis_of(test);
   ModelledTransfer transfer{test, identified, 0};
-  loop::ClosedLoop loop{analysis, transfer, settings};
+  loop::ClosedLoop loop{*analysis, transfer, settings};
   Response response;
   const auto steps =
       static_cast<std::size_t>(std::ceil(test.duration / test.integration_step - kRounding));
@@ -295,9 +291,9 @@ Response closed_loop(const HybridTest& test, Parts identified) {
 }
 
 Response replayed(const HybridTest& test, const std::array<std::vector<double>, 2>& force) {
-  sim::PlantAnalysis analysis = analysis_of(test);
+  const auto analysis = analysis_of(test);
   RecordedForce recorded{force};
-  loop::ClosedLoop loop{analysis, recorded, settings_of(test, kNone)};
+  loop::ClosedLoop loop{*analysis, recorded, settings_of(test, kNone)};
   Response response;
   const std::size_t steps = std::min(force[0].size(), force[1].size());
   while (loop.targets() < steps) {

@@ -79,9 +79,10 @@ ResponseBands bands_of(const Eigen::VectorXd& values, const Eigen::VectorXd& var
 ResponseBands response_bands(const UncertainSimulation& simulation) {
   const auto frequencies = sim::spectrum_frequencies(kLowest, kHighest, kFrequencies);
   const auto run = [&](const sim::Bearing& specimen, const loop::AddedForce& added) {
-    return quantities_of(loop::numerical_response(simulation.plant, simulation.motion, specimen,
-                                                  simulation.time_step, simulation.duration, added),
-                         frequencies);
+    return quantities_of(
+        loop::numerical_response(*simulation.structure, simulation.motion, specimen,
+                                 simulation.time_step, simulation.duration, added),
+        frequencies);
   };
   const Eigen::VectorXd fitted = run(simulation.fitted, {});
   Eigen::VectorXd variances = Eigen::VectorXd::Zero(fitted.size());
@@ -94,7 +95,7 @@ ResponseBands response_bands(const UncertainSimulation& simulation) {
     variances +=
         (run(simulation.fitted, begun_later(simulation.remainder, k, steps)) - fitted).cwiseAbs2() /
         static_cast<double>(kDraws);
-  ResponseBands bands = bands_of(fitted, variances, frequencies, simulation.plant.floor_names);
+  ResponseBands bands = bands_of(fitted, variances, frequencies, simulation.structure->floors());
   bands.runs = static_cast<int>(1 + simulation.deviating.size() + (has_remainder ? kDraws : 0));
   bands.has_remainder = has_remainder;
   return bands;

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/loop/numerical_response.hpp>
 
+#include <algorithm>
 #include <cmath>
-#include <memory>
 
+#include <fmt/format.h>
+
+#include <rths/core/error.hpp>
 #include <rths/loop/closed_loop.hpp>
 #include <rths/loop/perfect_machine.hpp>
 
@@ -56,16 +59,28 @@ class DisturbedSpecimen final : public TransferSystem {
   Eigen::VectorXd force_ = Eigen::VectorXd::Zero(2);
 };
 
-std::unique_ptr<TransferSystem> specimen_of(const sim::PlantMatrices& plant,
-                                            const sim::Bearing& bearing, double time_step) {
-  if (plant.bearings == 0) return std::make_unique<NoSpecimen>();
-  return std::make_unique<PerfectMachine>(bearing, time_step);
+ResponseHistory response_of(sim::Substructure& analysis, TransferSystem& specimen,
+                            const std::vector<std::string>& floors, double time_step,
+                            double duration) {
+  ClosedLoop loop{analysis, specimen, {.period = time_step}};
+  ResponseHistory history{floors, time_step};
+  FloorMonitor monitor{analysis, history};
+  const auto steps = std::lround(duration / time_step);
+  for (long step = 0; step < steps; ++step) {
+    loop.tick();
+    history.append_displacement(loop.target());
+    history.force_long.push_back(specimen.force()[0]);
+    history.force_lat.push_back(specimen.force()[1]);
+    monitor.append(analysis, history);
+  }
+  return history;
 }
 
 }  // namespace
 
-ResponseHistory::ResponseHistory(const sim::PlantMatrices& plant, double step) : time_step{step} {
-  for (const auto& name : plant.floor_names) floors.push_back({name, {}, {}});
+ResponseHistory::ResponseHistory(const std::vector<std::string>& names, double step)
+    : time_step{step} {
+  for (const auto& name : names) floors.push_back({name, {}, {}});
 }
 
 void ResponseHistory::append_displacement(const Eigen::Vector2d& displacement) {
@@ -73,32 +88,43 @@ void ResponseHistory::append_displacement(const Eigen::Vector2d& displacement) {
   displacement_lat.push_back(displacement[1]);
 }
 
-void ResponseHistory::append_floors(const sim::PlantAnalysis& analysis) {
-  for (std::size_t i = 0; i < floors.size(); ++i) {
-    const Eigen::Vector2d acceleration = analysis.floor_acceleration(i);
-    floors[i].acceleration_long.push_back(acceleration[0]);
-    floors[i].acceleration_lat.push_back(acceleration[1]);
+FloorMonitor::FloorMonitor(const sim::Substructure& substructure, const ResponseHistory& history) {
+  const auto monitors = substructure.monitors();
+  values_.resize(monitors.size());
+  for (std::size_t i = 0; i < history.floors.size(); ++i)
+    for (const Axis axis : kHorizontal) {
+      const std::string name = fmt::format("floor.{}.accel.{}", i + 1, name_of(axis));
+      const auto at = std::find_if(monitors.begin(), monitors.end(),
+                                   [&](const auto& monitor) { return monitor.name == name; });
+      if (at == monitors.end()) throw Error{"the structure does not monitor " + name};
+      places_.push_back(static_cast<std::size_t>(at - monitors.begin()));
+    }
+}
+
+void FloorMonitor::append(const sim::Substructure& substructure, ResponseHistory& history) {
+  substructure.monitor(values_);
+  for (std::size_t i = 0; i < history.floors.size(); ++i) {
+    history.floors[i].acceleration_long.push_back(values_[places_[2 * i]]);
+    history.floors[i].acceleration_lat.push_back(values_[places_[2 * i + 1]]);
   }
 }
 
-ResponseHistory numerical_response(const sim::PlantMatrices& plant, const sim::GroundMotion& motion,
-                                   const sim::Bearing& bearing, double time_step, double duration,
-                                   const AddedForce& added) {
-  const double stiffness = plant.bearings > 0 ? sim::initial_stiffness(bearing) : 0;
-  sim::PlantAnalysis analysis{plant, motion, stiffness, time_step, kReferenceAlpha};
-  const auto alone = specimen_of(plant, bearing, time_step);
-  DisturbedSpecimen specimen{*alone, added};
-  ClosedLoop loop{analysis, specimen, {.period = time_step}};
-  ResponseHistory history{plant, time_step};
-  const auto steps = std::lround(duration / time_step);
-  for (long step = 0; step < steps; ++step) {
-    loop.tick();
-    history.append_displacement(loop.target());
-    history.force_long.push_back(specimen.force()[0]);
-    history.force_lat.push_back(specimen.force()[1]);
-    history.append_floors(analysis);
-  }
-  return history;
+ResponseHistory numerical_response(const sim::StructureModel& structure,
+                                   const sim::GroundMotion& motion, const sim::Bearing& bearing,
+                                   double time_step, double duration, const AddedForce& added) {
+  const auto analysis =
+      structure.analysis({motion, sim::initial_stiffness(bearing), time_step, kReferenceAlpha});
+  PerfectMachine machine{bearing, time_step};
+  DisturbedSpecimen specimen{machine, added};
+  return response_of(*analysis, specimen, structure.floors(), time_step, duration);
+}
+
+ResponseHistory fixed_base_response(const sim::StructureModel& structure,
+                                    const sim::GroundMotion& motion, double time_step,
+                                    double duration) {
+  const auto analysis = structure.analysis_on_fixed_base({motion, 0, time_step, kReferenceAlpha});
+  NoSpecimen specimen;
+  return response_of(*analysis, specimen, structure.floors(), time_step, duration);
 }
 
 }  // namespace rths::loop

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <random>
 #include <string>
 #include <utility>
@@ -12,7 +13,7 @@
 #include <rths/experiment/retreat.hpp>
 #include <rths/sim/bearing.hpp>
 #include <rths/sim/ground_motion.hpp>
-#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/structure_model.hpp>
 #include <rths/sim/test_machine.hpp>
 
 // The parts of an experiment, as its tables state them.
@@ -36,7 +37,7 @@ struct Earthquake {
 
 /// [plant]
 struct Plant {
-  sim::IsolatedPlant structure;
+  std::shared_ptr<const sim::StructureModel> structure;
   bool is_stated = false;  ///< in the file
 };
 

@@ -13,15 +13,10 @@
 #include <rths/sim/ground_motion.hpp>
 #include <rths/sim/isolated_plant.hpp>
 #include <rths/sim/oscillator.hpp>
+#include <rths/sim/structure_model.hpp>
 #include <rths/sim/substructure.hpp>
 
 namespace rths::sim {
-
-/// Source of the vertical restoring force of the plant.
-enum class VerticalFeedback {
-  Model,    ///< a spring and a dashpot, solved exactly: the specimen's force has no influence
-  Measured  ///< the specimen's force, integrated by α-OS: a hybrid test of the vertical axis too
-};
 
 /// A quantity of the bearing during a time step: the parabola through its last three values.
 struct BearingPath {

@@ -17,7 +17,7 @@ namespace rths::adapters {
 
 struct NumericalSettings {
   std::vector<std::string> axes = names_of(kHorizontal);
-  sim::IsolatedPlant plant;
+  std::shared_ptr<const sim::StructureModel> structure;
   sim::GroundMotion motion;
   double bearing_initial_stiffness = 0;  ///< one bearing [N/m]
   double integration_step = 0.01;        ///< Δt_int, model time [s]

@@ -16,7 +16,7 @@
 #include <rths/loop/tick_order.hpp>
 #include <rths/sim/axis_transfer.hpp>
 #include <rths/sim/ground_motion.hpp>
-#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/structure_model.hpp>
 #include <rths/sim/test_machine.hpp>
 
 namespace rths::budget {
@@ -68,7 +68,7 @@ struct MeasuredNoise {
 /// A hybrid test with two horizontal axes, each part as simulated and as identified.
 struct HybridTest {
   // The analysis
-  sim::PlantMatrices plant;
+  std::shared_ptr<const sim::StructureModel> structure;
   sim::GroundMotion motion;
   double alpha = -0.05;                    ///< of α-OS
   double implicit_stiffness = 0;           ///< of a bearing [N/m]
@@ -124,7 +124,7 @@ using Response = std::array<std::vector<double>, 2>;
 /// terms of the simulated machine, an exact force, the simulated bearing and machine, an
 /// integration with a target per controller period, and a host that is never late.
 /// @param identified  parts that are as identified
-/// @throws Error as TestMachineRun and PlantAnalysis do   @setup
+/// @throws Error as TestMachineRun and the structure do   @setup
 [[nodiscard]] Response closed_loop(const HybridTest& test, Parts identified);
 
 /// The analysis alone, with the recorded force in place of everything else: what differs from the

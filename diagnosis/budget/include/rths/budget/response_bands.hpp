@@ -6,13 +6,13 @@
 
 #include <rths/loop/numerical_response.hpp>
 #include <rths/sim/ground_motion.hpp>
-#include <rths/sim/isolated_plant.hpp>
+#include <rths/sim/structure_model.hpp>
 
 namespace rths::budget {
 
 /// A simulation whose specimen has uncertain parameters.
 struct UncertainSimulation {
-  sim::PlantMatrices plant;
+  std::shared_ptr<const sim::StructureModel> structure;
   sim::GroundMotion motion;
   double time_step = 0.001, duration = 0;  ///< [s]
   sim::Bearing fitted;

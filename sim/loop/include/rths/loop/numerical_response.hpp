@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include <rths/sim/plant_analysis.hpp>
+#include <rths/sim/bearing.hpp>
+#include <rths/sim/structure_model.hpp>
 
 namespace rths::loop {
 
@@ -20,10 +21,21 @@ struct ResponseHistory {
   std::vector<Floor> floors;
 
   /// Without samples.   @setup
-  ResponseHistory(const sim::PlantMatrices& plant, double time_step);
+  ResponseHistory(const std::vector<std::string>& floors, double time_step);
   ResponseHistory() = default;
   void append_displacement(const Eigen::Vector2d& displacement);
-  void append_floors(const sim::PlantAnalysis& analysis);
+};
+
+/// Appends the accelerations of floors, as a substructure monitors them, to a history.
+class FloorMonitor {
+ public:
+  /// @throws Error if it does not monitor the floors of the history   @setup
+  FloorMonitor(const sim::Substructure& substructure, const ResponseHistory& history);
+  void append(const sim::Substructure& substructure, ResponseHistory& history);
+
+ private:
+  std::vector<double> values_;
+  std::vector<std::size_t> places_;  ///< of long and lat of each floor, among the values
 };
 
 /// A force beside that of one bearing, by step: long, lat [N]. None after its end.
@@ -33,9 +45,13 @@ using AddedForce = std::vector<Eigen::Vector2d>;
 /// @param bearing  under its static load plus the vertical motion's contribution
 /// @param duration  [s]
 /// @param added  acts with the force of the bearing, which the history then contains, too   @setup
-[[nodiscard]] ResponseHistory numerical_response(const sim::PlantMatrices& plant,
+[[nodiscard]] ResponseHistory numerical_response(const sim::StructureModel& structure,
                                                  const sim::GroundMotion& motion,
                                                  const sim::Bearing& bearing, double time_step,
                                                  double duration, const AddedForce& added = {});
+/// The same structure without isolation; the bearing has neither motion nor force.   @setup
+[[nodiscard]] ResponseHistory fixed_base_response(const sim::StructureModel& structure,
+                                                  const sim::GroundMotion& motion, double time_step,
+                                                  double duration);
 
 }  // namespace rths::loop
