@@ -180,6 +180,11 @@ bool Config::is_array(const std::string& key) const {
   return found != table_.end() && std::holds_alternative<ConfigValue::Array>(found->second.value);
 }
 
+bool Config::is_text(const std::string& key) const {
+  const auto found = table_.find(key);
+  return found != table_.end() && std::holds_alternative<std::string>(found->second.value);
+}
+
 std::vector<std::string> Config::keys() const {
   std::vector<std::string> names;
   for (const auto& [key, value] : table_) names.push_back(key);

@@ -19,14 +19,22 @@ Config usual_machine() {
   return usual;
 }
 
+std::filesystem::path specimen_file(const Config& file) {
+  return find_file(file.table_or_empty("specimen"), "model", "bearings", kDefaultSpecimen);
+}
+
 }  // namespace
 
-void read_laboratory(const Config& file, const std::string& improvement, Experiment& experiment) {
+Config read_specimen(const Config& file) {
   const Config changes = file.table_or_empty("specimen");
-  const auto path = find_file(changes, "model", "bearings", kDefaultSpecimen);
-  const Config bearing = Config::load(path);
-  const Config specimen = bearing.overlaid(changes);
+  const Config bearing = Config::load(specimen_file(file));
   check_units(changes, bearing);
+  return bearing.overlaid(changes);
+}
+
+void read_laboratory(const Config& file, const std::string& improvement, Experiment& experiment) {
+  const auto path = specimen_file(file);
+  const Config specimen = read_specimen(file);
   const Config assumed_changes = file.table_or_empty("model").table_or_empty("specimen");
   if (!assumed_changes.has("model")) check_units(assumed_changes, specimen);
   static_cast<void>(specimen.text("model", ""));

@@ -33,6 +33,8 @@ class MotionFiles {
 void read_earthquakes(const Config& file, Experiment& experiment);
 /// [plant]
 [[nodiscard]] Plant read_plant(const Config& file);
+/// The bearing's file with the changes of [specimen].
+[[nodiscard]] Config read_specimen(const Config& file);
 /// The bearing with the changes of [specimen], [machine], and the assumed model of both.
 /// @param improvement  text of an improved.toml, added to those that the model lists; may be empty
 void read_laboratory(const Config& file, const std::string& improvement, Experiment& experiment);

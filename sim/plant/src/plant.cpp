@@ -11,6 +11,7 @@
 #include <rths/sim/plant_analysis.hpp>
 
 #include "energy_count.hpp"
+#include "fixed_plant.hpp"
 #include "shapes.hpp"
 
 namespace rths::plant {
@@ -49,13 +50,12 @@ Plant::Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMot
                       (gamma_ * damping_time_ + beta_ * settings.time_step)},
       motion_{std::move(motion)},
       bearings_{bearings, weights, settings.time_step, settings.damps_bearings ? 0 : damping_time_},
+      floors_{floors.size()},
       bearing_motion_{MatrixXd::Zero(row_of(bearings.kind_of.size()), 2)},
       correction_{VectorXd::Zero(padded_rows(bearing_motion_.rows()))},
       last_correction_{correction_},
       mixed_correction_{correction_},
-      floor_acceleration_{VectorXd::Zero(row_of(floors.size()))} {
-  for (const auto& floor : floors) floors_.push_back(floor.name);
-}
+      floor_acceleration_{VectorXd::Zero(row_of(floors_))} {}
 
 void Plant::begin_at_rest(Index size) {
   for (auto* each :
@@ -119,16 +119,7 @@ void Plant::correct(std::span<const double> force) noexcept {
   if (energy_) energy_->add_step(*this);
 }
 
-std::vector<sim::MonitoredQuantity> Plant::monitors() const {
-  std::vector<sim::MonitoredQuantity> monitors;
-  const auto add = [&](const std::string& place) {
-    for (const Axis axis : kTranslations)
-      monitors.push_back({place + ".accel." + name_of(axis), "m/s2"});
-  };
-  add("ground");
-  for (const auto& floor : floors_) add("floor." + floor);
-  return monitors;
-}
+std::vector<sim::MonitoredQuantity> Plant::monitors() const { return monitors_of(floors_); }
 
 void Plant::monitor(std::span<double> values) const noexcept {
   floor_motion(floor_acceleration_);

@@ -41,6 +41,7 @@ class Config {
   /// Type of a key's value. Does not count as reading the key.
   [[nodiscard]] bool is_table(const std::string& key) const;
   [[nodiscard]] bool is_array(const std::string& key) const;
+  [[nodiscard]] bool is_text(const std::string& key) const;
   [[nodiscard]] std::vector<std::string> keys() const;
 
   /// Required values.

@@ -9,6 +9,8 @@
 
 namespace rths::plant {
 
+inline constexpr std::size_t kAntBearings = 486;
+
 /// The parts of the plant. The first one is the flexible basemat.
 enum class Part : std::size_t { Basemat, Containment, Internal, Auxiliary };
 inline constexpr std::size_t kParts = 4;

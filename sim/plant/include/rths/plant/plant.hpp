@@ -108,7 +108,7 @@ class Plant : public sim::Substructure {
   double beta_, gamma_, damping_time_, implicit_share_;
   sim::GroundMotion motion_;
   BearingField bearings_;
-  std::vector<std::string> floors_;
+  std::size_t floors_;
   MatrixXd bearing_motion_;
   VectorXd correction_, last_correction_, mixed_correction_;
   mutable VectorXd floor_acceleration_;

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <rths/core/constants.hpp>
+#include <rths/plant/large_plant.hpp>
+
+#include "tables.hpp"
+
+namespace rths::experiment {
+namespace {
+
+constexpr long kLeastDofs = 1000, kMostDofs = 1'000'000;
+
+sim::Stick read_stick(const Config& table) {
+  sim::Stick stick;
+  stick.name = table.text("name");
+  stick.masses = table.numbers("masses_kg");
+  stick.elevations = table.numbers("elevations_m");
+  stick.frequency_long = table.number("frequency_long_Hz");
+  stick.frequency_lat = table.number("frequency_lat_Hz");
+  table.reject_unknown_keys();
+  return stick;
+}
+
+std::shared_ptr<const sim::StructureModel> read_sticks(const Config& table) {
+  sim::IsolatedPlant plant = sim::example_plant();
+  plant.basemat_mass = table.number_in("basemat_mass_kg", 1, 1e12, plant.basemat_mass);
+  plant.damping_ratio = table.number_in("damping_ratio", 0, 0.99, plant.damping_ratio);
+  plant.vertical_frequency =
+      table.number_in("vertical_frequency_Hz", 0.1, 100, plant.vertical_frequency);
+  plant.vertical_damping =
+      table.number_in("vertical_damping_ratio", 0, 0.99, plant.vertical_damping);
+  plant.bearings = static_cast<int>(table.integer_in("bearings", 1, 100'000, plant.bearings));
+  plant.spectrum_elevation =
+      table.number_in("spectrum_elevation_m", 0, 1000, plant.spectrum_elevation);
+  plant.plan_long = table.number_in("plan_long_m", 1, 10'000, plant.plan_long);
+  plant.plan_lat = table.number_in("plan_lat_m", 1, 10'000, plant.plan_lat);
+  plant.bearing_long =
+      table.number_in("bearing_long_m", -plant.plan_long / 2, plant.plan_long / 2, 0);
+  plant.bearing_lat = table.number_in("bearing_lat_m", -plant.plan_lat / 2, plant.plan_lat / 2, 0);
+  if (table.has("stick")) {
+    plant.sticks.clear();
+    for (const auto& stick : table.tables("stick")) plant.sticks.push_back(read_stick(stick));
+  }
+  table.reject_unknown_keys();
+  return std::make_shared<sim::StickModel>(plant);
+}
+
+// "corner", "centre", or an index from 1, along lat first.
+std::size_t tested_bearing_of(const Config& table) {
+  constexpr std::size_t kCentre = 13 * 18 + 9;
+  if (!table.has("tested_bearing") || table.is_text("tested_bearing")) {
+    const std::string name = table.text("tested_bearing", "corner");
+    if (name != "corner" && name != "centre")
+      table.fail(
+          "tested_bearing",
+          fmt::format("tested_bearing is '{}', expected corner, centre or a number from 1 to "
+                      "{}",
+                      name, plant::kAntBearings));
+    return name == "corner" ? 0 : kCentre;
+  }
+  return static_cast<std::size_t>(table.integer_in("tested_bearing", 1, plant::kAntBearings, 1) -
+                                  1);
+}
+
+// Bearings that are not tested are as [model] assumes the specimen, without what a diagnosis has
+// found.
+sim::Bearing others_of(const Config& file, double mean_weight) {
+  return read_assumed_model(file.table_or_empty("model"), {}, read_specimen(file),
+                            file.table_or_empty("machine"), mean_weight)
+      .bearing;
+}
+
+std::shared_ptr<const sim::StructureModel> read_ant(const Config& table, const Config& file) {
+  const auto design = plant::ant_with(table.integer_in("dof", kLeastDofs, kMostDofs, 5'000));
+  double mass = 0;
+  for (const double part : design.masses) mass += part;
+  const double mean_weight = mass * kStandardGravity / static_cast<double>(plant::kAntBearings);
+  auto description = plant::describe(design, others_of(file, mean_weight));
+  description.tested_bearing = tested_bearing_of(table);
+  description.vertical_stiffness =
+      table.number_in("vertical_stiffness_N_per_m", 1e6, 1e13, description.vertical_stiffness);
+  description.tension_share = table.number_in("tension_share", 0, 1, description.tension_share);
+  description.frequency_limit =
+      table.number_in("frequency_limit_Hz", 1, 1000, description.frequency_limit);
+  description.damping_ratio = table.number_in("damping_ratio", 0, 0.5, description.damping_ratio);
+  description.damping_frequency =
+      table.number_in("damping_at_Hz", 0.01, 1000, description.damping_frequency);
+  description.is_full = table.text("basis", "reduced") == "full";
+  if (const std::string basis = table.text("basis", "reduced");
+      basis != "reduced" && basis != "full")
+    table.fail("basis", "basis is '" + basis + "', expected reduced or full");
+  table.reject_unknown_keys();
+  return std::make_shared<plant::LargePlant>(std::move(description), plant::cache_folder());
+}
+
+}  // namespace
+
+Plant read_plant(const Config& file) {
+  const Config table = file.table_or_empty("plant");
+  const std::string model = table.text("model", "sticks");
+  if (model == "ant") return {read_ant(table, file), true};
+  if (model != "sticks") table.fail("model", "model is '" + model + "', expected sticks or ant");
+  return {read_sticks(table), file.has("plant")};
+}
+
+}  // namespace rths::experiment

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include <rths/plant/ant.hpp>
+#include <rths/plant/plant.hpp>
+#include <rths/sim/structure_model.hpp>
+
+namespace rths::plant {
+
+/// A large plant as a test states it.
+struct PlantDescription {
+  /// Makes the structure; only called if no file knows its basis.
+  std::function<Structure()> structure;
+  std::string key;  ///< differs for different structures, such as the numbers that define one
+  std::vector<std::string> floors;
+  sim::Bearing bearing;  ///< all of the bearings but the tested one, under the mean weight
+  std::size_t bearings = 0;
+  double vertical_stiffness = 8e9;                      ///< of one bearing in compression [N/m]
+  double tension_share = 0.01;                          ///< of it, once the bearing lifts off [-]
+  double frequency_limit = 50;                          ///< of the modes [Hz]
+  double damping_ratio = 0.02, damping_frequency = 10;  ///< see PlantSettings
+  std::size_t tested_bearing = 0;
+  bool is_full = false;  ///< all degrees of freedom in each step, for reference
+};
+
+/// The plant family: its floors, and a key of its design.   @setup
+[[nodiscard]] PlantDescription describe(const AntDesign& design, const sim::Bearing& bearing);
+
+/// Where bases are kept: XDG_CACHE_HOME, otherwise HOME/.cache, otherwise none.
+[[nodiscard]] std::optional<std::filesystem::path> cache_folder();
+
+/// A large plant in the coordinates of a reduced basis. A basis takes seconds to minutes; it is
+/// kept in a file whose name is the hash of all that it depends on.
+class LargePlant final : public sim::StructureModel {
+ public:
+  /// @param cache  folder of the files; none: nothing is kept
+  /// @throws Error as make_basis; not if a file cannot be written   @setup
+  LargePlant(PlantDescription description, std::optional<std::filesystem::path> cache);
+
+  [[nodiscard]] std::unique_ptr<sim::Substructure> analysis(
+      const sim::AnalysisSettings& settings) const override;
+  [[nodiscard]] std::unique_ptr<sim::Substructure> analysis_on_fixed_base(
+      const sim::AnalysisSettings& settings) const override;
+  [[nodiscard]] std::vector<std::string> floors() const override { return description_.floors; }
+  [[nodiscard]] double weight() const override {
+    return basis_.weights[static_cast<Index>(description_.tested_bearing)];
+  }
+  [[nodiscard]] bool overturns() const override { return true; }
+
+  [[nodiscard]] const Basis& basis() const { return basis_; }
+  [[nodiscard]] const PlantDescription& description() const { return description_; }
+
+ private:
+  PlantDescription description_;
+  std::optional<std::filesystem::path> cache_;
+  BearingSet bearings_;
+  Basis basis_;
+};
+
+}  // namespace rths::plant

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/plant/large_plant.hpp>
+
+#include <cstdlib>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <rths/core/constants.hpp>
+#include <rths/core/error.hpp>
+#include <rths/core/message.hpp>
+#include <rths/plant/basis_file.hpp>
+
+#include "fixed_plant.hpp"
+
+namespace rths::plant {
+namespace {
+
+constexpr const char* kFloorNames[] = {"containment_47.5", "internal_47.5", "auxiliary_47.5"};
+
+std::string text_of(const sim::Bearing& bearing) {
+  std::string text =
+      fmt::format("load {:.17g} temperature {:.17g}", bearing.axial_load, bearing.temperature);
+  for (const auto& term : bearing.terms) {
+    text += fmt::format(" {} {} axes {}", term.kind, sim::name_of(term), term.axes);
+    for (const auto& [name, value] : term.parameters)
+      text += fmt::format(" {} {:.17g}", name, value);
+  }
+  return text;
+}
+
+std::string key_of(const PlantDescription& plant) {
+  return fmt::format("{}; bearings {} of {}; vertical {:.17g}; modes to {:.17g} Hz; tested {}",
+                     plant.key, plant.bearings, text_of(plant.bearing), plant.vertical_stiffness,
+                     plant.frequency_limit, plant.tested_bearing);
+}
+
+BearingSet bearings_of(const PlantDescription& plant) {
+  BearingSet set = BearingSet::all_of(plant.bearing, plant.bearings);
+  set.vertical_stiffness = plant.vertical_stiffness;
+  set.tension_share = plant.tension_share;
+  return set;
+}
+
+void say_that_it_takes_long(const char* what) {
+  write_message(
+      fmt::format("computing the modes of the {}; they are kept for the next time\n", what));
+}
+
+std::vector<Floor> named(const std::vector<std::string>& names) {
+  std::vector<Floor> floors;
+  for (const auto& name : names) floors.push_back({name, 0});
+  return floors;
+}
+
+void require_no_substeps(const sim::AnalysisSettings& settings) {
+  if (settings.substeps != 1)
+    throw Error{
+        fmt::format("a large plant integrates once per target: substeps are {}, expected 1 "
+                    "and a shorter integration step",
+                    settings.substeps)};
+  if (settings.vertical == sim::VerticalFeedback::Measured)
+    throw Error{
+        "a large plant computes its vertical motion: vertical_feedback is measured, "
+        "expected model"};
+}
+
+}  // namespace
+
+PlantDescription describe(const AntDesign& design, const sim::Bearing& bearing) {
+  PlantDescription plant;
+  plant.structure = [design] { return assemble(mesh_of(design)); };
+  plant.key =
+      fmt::format("ant {} {} {}; masses {:.17g}; frequencies {:.17g}; {:.17g} Pa {:.17g}",
+                  design.plan, design.mat_layers, design.levels, fmt::join(design.masses, " "),
+                  fmt::join(design.frequencies, " "), design.basemat_modulus, design.poisson_ratio);
+  plant.floors.assign(std::begin(kFloorNames), std::end(kFloorNames));
+  plant.bearings = kAntBearings;
+  plant.bearing = bearing;
+  return plant;
+}
+
+std::optional<std::filesystem::path> cache_folder() {
+  if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache != nullptr && *cache == '/')
+    return std::filesystem::path{cache} / "rths";
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
+    return std::filesystem::path{home} / ".cache/rths";
+  return std::nullopt;
+}
+
+LargePlant::LargePlant(PlantDescription description, std::optional<std::filesystem::path> cache)
+    : description_{std::move(description)},
+      cache_{std::move(cache)},
+      bearings_{bearings_of(description_)},
+      basis_{basis_for(cache_, key_of(description_), [this] {
+        say_that_it_takes_long("plant");
+        const Structure structure = description_.structure();
+        check(structure);
+        return make_basis(structure, bearings_,
+                          {description_.frequency_limit, true, description_.tested_bearing});
+      })} {}
+
+std::unique_ptr<sim::Substructure> LargePlant::analysis(
+    const sim::AnalysisSettings& settings) const {
+  require_no_substeps(settings);
+  PlantSettings plant;
+  plant.time_step = settings.time_step;
+  plant.alpha = settings.alpha;
+  plant.damping_ratio = description_.damping_ratio;
+  plant.damping_frequency = description_.damping_frequency;
+  plant.tested_bearing = description_.tested_bearing;
+  if (description_.is_full)
+    return make_full(description_.structure(), bearings_, settings.motion, plant);
+  return make_reduced(basis_, bearings_, settings.motion, named(description_.floors), plant);
+}
+
+std::unique_ptr<sim::Substructure> LargePlant::analysis_on_fixed_base(
+    const sim::AnalysisSettings& settings) const {
+  const Basis fixed = basis_for(cache_, "fixed; " + key_of(description_), [&] {
+    say_that_it_takes_long("plant on a fixed base");
+    return fixed_basis(description_.structure(), description_.frequency_limit);
+  });
+  const double damping_time =
+      description_.damping_ratio / (std::numbers::pi * description_.damping_frequency);
+  return make_fixed(fixed, settings.motion, settings.time_step, damping_time);
+}
+
+}  // namespace rths::plant
