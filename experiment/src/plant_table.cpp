@@ -66,8 +66,10 @@ std::size_t tested_bearing_of(const Config& table) {
 // Bearings that are not tested are as [model] assumes the specimen, without what a diagnosis has
 // found.
 sim::Bearing others_of(const Config& file, double mean_weight) {
-  return read_assumed_model(file.table_or_empty("model"), {}, read_specimen(file),
-                            file.table_or_empty("machine"), mean_weight)
+  const Config model = file.table_or_empty("model");
+  static_cast<void>(model.texts("improvement", {}));
+  return read_assumed_model(model, {}, read_specimen(file), file.table_or_empty("machine"),
+                            mean_weight)
       .bearing;
 }
 
