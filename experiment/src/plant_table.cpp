@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <rths/core/constants.hpp>
+#include <rths/core/sha256.hpp>
 #include <rths/plant/large_plant.hpp>
+#include <rths/plant/structure_files.hpp>
 
 #include "tables.hpp"
 
@@ -47,39 +49,72 @@ std::shared_ptr<const sim::StructureModel> read_sticks(const Config& table) {
 }
 
 // "corner", "centre", or an index from 1, along lat first.
-std::size_t tested_bearing_of(const Config& table) {
+std::size_t tested_bearing_of_ant(const Config& table) {
   constexpr std::size_t kCentre = 13 * 18 + 9;
-  if (!table.has("tested_bearing") || table.is_text("tested_bearing")) {
-    const std::string name = table.text("tested_bearing", "corner");
-    if (name != "corner" && name != "centre")
-      table.fail(
-          "tested_bearing",
-          fmt::format("tested_bearing is '{}', expected corner, centre or a number from 1 to "
-                      "{}",
-                      name, plant::kAntBearings));
-    return name == "corner" ? 0 : kCentre;
-  }
-  return static_cast<std::size_t>(table.integer_in("tested_bearing", 1, plant::kAntBearings, 1) -
-                                  1);
+  if (table.has("tested_bearing") && !table.is_text("tested_bearing"))
+    return static_cast<std::size_t>(table.integer_in("tested_bearing", 1, plant::kAntBearings, 1) -
+                                    1);
+  const std::string name = table.text("tested_bearing", "corner");
+  if (name != "corner" && name != "centre")
+    table.fail(
+        "tested_bearing",
+        fmt::format("tested_bearing is '{}', expected corner, centre or a number from 1 to {}",
+                    name, plant::kAntBearings));
+  return name == "corner" ? 0 : kCentre;
 }
 
 // Bearings that are not tested are as [model] assumes the specimen, without what a diagnosis has
 // found.
-sim::Bearing others_of(const Config& file, double mean_weight) {
+sim::Bearing others_of(const Config& file, double mass, std::size_t bearings) {
   const Config model = file.table_or_empty("model");
   static_cast<void>(model.texts("improvement", {}));
+  const double mean_weight = mass * kStandardGravity / static_cast<double>(bearings);
   return read_assumed_model(model, {}, read_specimen(file), file.table_or_empty("machine"),
                             mean_weight)
       .bearing;
 }
 
-std::shared_ptr<const sim::StructureModel> read_ant(const Config& table, const Config& file) {
+plant::PlantDescription describe_ant(const Config& table, const Config& file) {
   const auto design = plant::ant_with(table.integer_in("dof", kLeastDofs, kMostDofs, 5'000));
   double mass = 0;
   for (const double part : design.masses) mass += part;
-  const double mean_weight = mass * kStandardGravity / static_cast<double>(plant::kAntBearings);
-  auto description = plant::describe(design, others_of(file, mean_weight));
-  description.tested_bearing = tested_bearing_of(table);
+  auto description = plant::describe(design, others_of(file, mass, plant::kAntBearings));
+  description.tested_bearing = tested_bearing_of_ant(table);
+  return description;
+}
+
+// Wrong units show in the weight on a bearing.
+void check_weight(const Config& table, double mass, std::size_t bearings) {
+  constexpr double kLeast = 1e3, kMost = 1e9;  // [N]
+  const double weight = mass * kStandardGravity / static_cast<double>(bearings);
+  if (!(weight >= kLeast && weight <= kMost))
+    table.fail(
+        "files",
+        fmt::format("the weight on a bearing is {:.3g} N, expected {:g} to {:g}: is the mass "
+                    "in kg?",
+                    weight, kLeast, kMost));
+}
+
+plant::PlantDescription describe_files(const Config& table, const Config& file) {
+  const auto folder = table.resolve(table.text("files"));
+  const auto files = plant::StructureFiles::in(folder);
+  const auto structure = std::make_shared<plant::Structure>(plant::read_structure(files));
+  const double mass = structure->mass_along(plant::kDirections - 1);
+  check_weight(table, mass, structure->bearings.size());
+  plant::PlantDescription description;
+  description.bearing = others_of(file, mass, structure->bearings.size());
+  description.structure = [structure] { return *structure; };
+  for (const auto& each : {files.stiffness, files.mass, files.nodes, files.bearings, files.floors})
+    description.key += sha256_of(each) + ' ';
+  for (const auto& floor : structure->floors) description.floors.push_back(floor.name);
+  description.bearings = structure->bearings.size();
+  description.tested_bearing = static_cast<std::size_t>(
+      table.integer_in("tested_bearing", 1, std::ssize(structure->bearings), 1) - 1);
+  return description;
+}
+
+std::shared_ptr<const sim::StructureModel> read_large(const Config& table,
+                                                      plant::PlantDescription description) {
   description.vertical_stiffness =
       table.number_in("vertical_stiffness_N_per_m", 1e6, 1e13, description.vertical_stiffness);
   description.tension_share = table.number_in("tension_share", 0, 1, description.tension_share);
@@ -88,10 +123,10 @@ std::shared_ptr<const sim::StructureModel> read_ant(const Config& table, const C
   description.damping_ratio = table.number_in("damping_ratio", 0, 0.5, description.damping_ratio);
   description.damping_frequency =
       table.number_in("damping_at_Hz", 0.01, 1000, description.damping_frequency);
-  description.is_full = table.text("basis", "reduced") == "full";
-  if (const std::string basis = table.text("basis", "reduced");
-      basis != "reduced" && basis != "full")
+  const std::string basis = table.text("basis", "reduced");
+  if (basis != "reduced" && basis != "full")
     table.fail("basis", "basis is '" + basis + "', expected reduced or full");
+  description.is_full = basis == "full";
   table.reject_unknown_keys();
   return std::make_shared<plant::LargePlant>(std::move(description), plant::cache_folder());
 }
@@ -101,8 +136,10 @@ std::shared_ptr<const sim::StructureModel> read_ant(const Config& table, const C
 Plant read_plant(const Config& file) {
   const Config table = file.table_or_empty("plant");
   const std::string model = table.text("model", "sticks");
-  if (model == "ant") return {read_ant(table, file), true};
-  if (model != "sticks") table.fail("model", "model is '" + model + "', expected sticks or ant");
+  if (model == "ant") return {read_large(table, describe_ant(table, file)), true};
+  if (model == "files") return {read_large(table, describe_files(table, file)), true};
+  if (model != "sticks")
+    table.fail("model", "model is '" + model + "', expected sticks, ant or files");
   return {read_sticks(table), file.has("plant")};
 }
 

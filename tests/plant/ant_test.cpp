@@ -47,7 +47,7 @@ TEST(AntMesh, HasAFloorOfEachBuildingAtTheSameElevation) {
 
 TEST(AntMesh, HasTheFrequenciesOfItsBuildingsOnAFixedBase) {
   const AntDesign design = ant_with(5'676);
-  for (const Part part : {Part::Containment, Part::Internal, Part::Auxiliary}) {
+  for (const PlantPart part : {PlantPart::Containment, PlantPart::Internal, PlantPart::Auxiliary}) {
     const Structure building = on_fixed_base(large_plant().mesh, part);
     Factor factor{building.stiffness};
 

@@ -23,7 +23,8 @@ sim::GroundMotion petrolia(double scale) {
       scale);
 }
 
-Response drive(Plant& plant, const sim::Bearing& tested, double time_step, double duration) {
+Response drive(LargePlantAnalysis& plant, const sim::Bearing& tested, double time_step,
+               double duration) {
   const auto steps = static_cast<Index>(std::lround(duration / time_step));
   sim::BearingRun specimen{tested, time_step};
   std::array<double, 3> target{}, rate{}, force{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <rths/plant/plant.hpp>
+#include <rths/plant/large_plant_analysis.hpp>
 
 namespace rths::plant::test {
 
@@ -17,8 +17,8 @@ struct Response {
   MatrixXd tested;  ///< displacement of the tested bearing: long, lat; row by step [m]
   MatrixXd floors;  ///< absolute acceleration of the floors; row by step [m/s²]
 };
-[[nodiscard]] Response drive(Plant& plant, const sim::Bearing& tested, double time_step,
-                             double duration);
+[[nodiscard]] Response drive(LargePlantAnalysis& plant, const sim::Bearing& tested,
+                             double time_step, double duration);
 
 /// Root mean square of the difference over that of the reference [%].
 [[nodiscard]] double difference(const MatrixXd& found, const MatrixXd& reference);

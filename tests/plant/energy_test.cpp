@@ -24,7 +24,7 @@ PlantSettings counting() {
   return settings;
 }
 
-EnergyBalance after(Plant& plant, double duration) {
+EnergyBalance after(LargePlantAnalysis& plant, double duration) {
   static_cast<void>(test::drive(plant, lead_rubber(), kTimeStep, duration));
   return plant.energy();
 }

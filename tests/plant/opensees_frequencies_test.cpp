@@ -68,7 +68,7 @@ TEST_F(PlantInOpenSees, HasTheSameFrequencies) {
       {python_, script.string(), folder.path().string(), std::to_string(kModes)}};
   Factor factor{plant.on_springs(springs)};
 
-  const Modes ours = lowest_modes(factor, plant.mass, kModes);
+  const StructureModes ours = lowest_modes(factor, plant.mass, kModes);
   const auto finished = running.wait(kTimeout);
 
   ASSERT_EQ(finished.exit_code, 0) << finished.err;

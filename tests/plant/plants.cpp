@@ -25,14 +25,14 @@ const Basis& large_basis() {
 
 AntMesh boxes(const BoxDesign& design) {
   AntMesh mesh;
-  const auto part = Part::Basemat;
+  const auto part = PlantPart::Basemat;
   mesh.densities[static_cast<std::size_t>(part)] = design.density;
   mesh.moduli[static_cast<std::size_t>(part)] = design.modulus;
   mesh.poisson_ratio = design.poisson_ratio;
   // Four nodes in each plane x = constant: lower, lower, upper, upper.
   for (int plane = 0; plane <= design.elements; ++plane)
     for (std::size_t corner = 0; corner < 4; ++corner) {
-      Node node;
+      MeshNode node;
       node.place = {plane * kBoxLong, corner % 2 == 0 ? 0 : kBoxLat, corner < 2 ? 0 : kBoxHeight};
       for (Index& dof : node.dofs)
         dof = static_cast<Index>(kDirections * mesh.nodes.size()) + (&dof - node.dofs.data());

@@ -21,7 +21,9 @@ using test::Response;
 constexpr double kDuration = 6;                              // [s]
 constexpr double kTestedBound = 0.05, kSpectrumBound = 0.5;  // of a reduced plant [%]
 
-Response response_of(Plant& plant) { return drive(plant, lead_rubber(), kTimeStep, kDuration); }
+Response response_of(LargePlantAnalysis& plant) {
+  return drive(plant, lead_rubber(), kTimeStep, kDuration);
+}
 
 PlantSettings settings() {
   PlantSettings settings;
@@ -106,7 +108,7 @@ PlantSettings counting_settings() {
   return counting;
 }
 
-void expect_real_time(Plant& plant) {
+void expect_real_time(LargePlantAnalysis& plant) {
   std::array<double, 3> target{}, rate{};
   const std::array<double, 3> force{1e5, 2e5, 0};
   std::vector<double> monitored(plant.monitors().size());

@@ -25,7 +25,7 @@ constexpr double kContainmentInner = 19.5, kContainmentOuter = 24, kInternalRadi
 constexpr double kAuxiliaryHole = 28, kAuxiliaryLong = 46, kAuxiliaryLat = 38;            // [m]
 constexpr double kTrialModulus = 1e9;  // of a building before its frequency is known [Pa]
 
-std::size_t index_of(Part part) { return static_cast<std::size_t>(part); }
+std::size_t index_of(PlantPart part) { return static_cast<std::size_t>(part); }
 
 /// Corners of a box in the order of its nodes.
 constexpr int kCorners[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
@@ -47,15 +47,15 @@ class Grid {
   AntMesh mesh() {
     for (int layer = 0; layer < design_.mat_layers; ++layer)
       for (int i = 0; i < columns_; ++i)
-        for (int j = 0; j < rows_; ++j) add(i, j, layer, Part::Basemat);
+        for (int j = 0; j < rows_; ++j) add(i, j, layer, PlantPart::Basemat);
     for (int i = 0; i < columns_; ++i)
       for (int j = 0; j < rows_; ++j) add_above(i, j);
     for (int i = 0; i < kBearingsLong; ++i)
       for (int j = 0; j < kBearingsLat; ++j)
-        mesh_.bearings.push_back(node(i * design_.plan, j * design_.plan, 0, Part::Basemat));
-    mesh_.floors = {{"containment_47.5", nearest(22, 0, Part::Containment)},
-                    {"internal_47.5", nearest(0, 0, Part::Internal)},
-                    {"auxiliary_47.5", nearest(36, 30, Part::Auxiliary)}};
+        mesh_.bearings.push_back(node(i * design_.plan, j * design_.plan, 0, PlantPart::Basemat));
+    mesh_.floors = {{"containment_47.5", nearest(22, 0, PlantPart::Containment)},
+                    {"internal_47.5", nearest(0, 0, PlantPart::Internal)},
+                    {"auxiliary_47.5", nearest(36, 30, PlantPart::Auxiliary)}};
     return std::move(mesh_);
   }
 
@@ -64,19 +64,19 @@ class Grid {
   void add_above(int i, int j) {
     const double x = left() + (i + 0.5) * width_, y = front() + (j + 0.5) * depth_;
     const double radius = std::hypot(x, y);
-    const auto add_to = [&](Part part, int top) {
+    const auto add_to = [&](PlantPart part, int top) {
       for (int level = 0; level < top; ++level) add(i, j, design_.mat_layers + level, part);
     };
     const bool is_wall = radius >= kContainmentInner && radius < kContainmentOuter;
-    if (is_wall) add_to(Part::Containment, roof_levels_);
-    if (radius < kInternalRadius) add_to(Part::Internal, design_.levels);
+    if (is_wall) add_to(PlantPart::Containment, roof_levels_);
+    if (radius < kInternalRadius) add_to(PlantPart::Internal, design_.levels);
     if (radius < kContainmentOuter && !is_wall)
-      add(i, j, design_.mat_layers + roof_levels_ - 1, Part::Containment);
+      add(i, j, design_.mat_layers + roof_levels_ - 1, PlantPart::Containment);
     if (radius >= kAuxiliaryHole && std::abs(x) < kAuxiliaryLong && std::abs(y) < kAuxiliaryLat)
-      add_to(Part::Auxiliary, design_.levels);
+      add_to(PlantPart::Auxiliary, design_.levels);
   }
 
-  void add(int i, int j, int level, Part part) {
+  void add(int i, int j, int level, PlantPart part) {
     Solid solid;
     solid.part = part;
     for (std::size_t k = 0; k < 8; ++k)
@@ -85,8 +85,8 @@ class Grid {
   }
 
   // Buildings share their lowest nodes with the mat, and none with each other.
-  std::size_t node(int i, int j, int level, Part part) {
-    if (level <= design_.mat_layers) part = Part::Basemat;
+  std::size_t node(int i, int j, int level, PlantPart part) {
+    if (level <= design_.mat_layers) part = PlantPart::Basemat;
     const auto [at, is_new] = known_.try_emplace({i, j, level, part}, mesh_.nodes.size());
     if (is_new) {
       const int above = level - design_.mat_layers;
@@ -99,11 +99,11 @@ class Grid {
     return at->second;
   }
 
-  [[nodiscard]] std::size_t nearest(double x, double y, Part part) const {
+  [[nodiscard]] std::size_t nearest(double x, double y, PlantPart part) const {
     std::size_t best = 0;
     double least = 1e9;
     for (const auto& [key, node] : known_) {
-      if (std::get<Part>(key) != part) continue;
+      if (std::get<PlantPart>(key) != part) continue;
       const auto& place = mesh_.nodes[node].place;
       constexpr double kFloorWeight = 10;  // a level matters more than a place on it
       const double distance = std::hypot(place[0] - x, place[1] - y) +
@@ -121,7 +121,7 @@ class Grid {
   double width_, depth_, height_;
   int roof_levels_;
   AntMesh mesh_;
-  std::map<std::tuple<int, int, int, Part>, std::size_t> known_;
+  std::map<std::tuple<int, int, int, PlantPart>, std::size_t> known_;
 };
 
 std::array<double, 3> size_of(const AntMesh& mesh, const Solid& solid) {
@@ -195,7 +195,7 @@ class SolidMatrices {
 
  private:
   const AntMesh& mesh_;
-  std::map<std::tuple<long, long, long, Part>, ElementMatrix> known_;
+  std::map<std::tuple<long, long, long, PlantPart>, ElementMatrix> known_;
 };
 
 // Assembles elements into the degrees of freedom of the structure's nodes.
@@ -227,7 +227,7 @@ void add_solids(const AntMesh& mesh, const Includes& includes, Structure& struct
 // Stiffness follows from the frequency: it is proportional to the modulus.
 void tune(const AntDesign& design, AntMesh& mesh) {
   mesh.moduli = {design.basemat_modulus, kTrialModulus, kTrialModulus, kTrialModulus};
-  for (const Part part : {Part::Containment, Part::Internal, Part::Auxiliary}) {
+  for (const PlantPart part : {PlantPart::Containment, PlantPart::Internal, PlantPart::Auxiliary}) {
     const Structure building = on_fixed_base(mesh, part);
     Factor factor{building.stiffness};
     const double found = lowest_modes(factor, building.mass, 1).frequencies[0];
@@ -282,7 +282,7 @@ Structure assemble(const AntMesh& mesh) {
   return structure;
 }
 
-Structure on_fixed_base(const AntMesh& mesh, Part part) {
+Structure on_fixed_base(const AntMesh& mesh, PlantPart part) {
   Structure structure;
   structure.nodes = mesh.nodes;
   for (auto& node : structure.nodes) node.dofs.fill(kNoDof);

@@ -119,7 +119,7 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
   {
     Factor on_post_yield{
         structure.on_springs(springs_of(stiffness, &BearingStiffness::post_yield))};
-    Modes modes = modes_up_to(on_post_yield, structure.mass, settings.frequency_limit);
+    StructureModes modes = modes_up_to(on_post_yield, structure.mass, settings.frequency_limit);
     basis.frequencies = std::move(modes.frequencies);
     shapes = std::move(modes.shapes);
   }

@@ -12,7 +12,7 @@ double work(const VectorXd& force, const VectorXd& force_before, const auto& mot
 
 }  // namespace
 
-EnergyCount::EnergyCount(const Plant& plant)
+EnergyCount::EnergyCount(const LargePlantAnalysis& plant)
     : last_displacement_{plant.state_.u},
       product_{VectorXd::Zero(plant.state_.u.size())},
       corrected_{MatrixXd::Zero(plant.bearing_motion_.rows(), 2)},
@@ -21,7 +21,7 @@ EnergyCount::EnergyCount(const Plant& plant)
   now_ = before_ = {product_, none, none, product_};
 }
 
-void EnergyCount::add_step(const Plant& plant) noexcept {
+void EnergyCount::add_step(const LargePlantAnalysis& plant) noexcept {
   plant.motion_at_bearings(plant.state_.u, plant.state_.v, corrected_);
   find_forces(plant);
   const auto at = corrected_.col(0), last = last_corrected_.col(0);
@@ -36,7 +36,7 @@ void EnergyCount::add_step(const Plant& plant) noexcept {
   last_displacement_ = u;
 }
 
-void EnergyCount::find_forces(const Plant& plant) noexcept {
+void EnergyCount::find_forces(const LargePlantAnalysis& plant) noexcept {
   const auto& state = plant.state_;
   plant.multiply_stiffness(state.v, now_.damping);
   now_.damping *= plant.damping_time();
@@ -45,7 +45,7 @@ void EnergyCount::find_forces(const Plant& plant) noexcept {
   plant.bearings_.damping(corrected_, now_.not_damped);
 }
 
-void EnergyCount::find_levels(const Plant& plant) noexcept {
+void EnergyCount::find_levels(const LargePlantAnalysis& plant) noexcept {
   const auto& state = plant.state_;
   plant.multiply_mass(state.v, product_);
   energy_.kinetic = 0.5 * state.v.dot(product_);

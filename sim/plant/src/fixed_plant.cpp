@@ -112,7 +112,7 @@ class FixedPlant final : public sim::Substructure {
 Basis fixed_basis(const Structure& structure, double frequency_limit) {
   const Structure fixed = without_bearings(structure);
   Factor factor{fixed.stiffness};
-  const Modes modes = modes_up_to(factor, fixed.mass, frequency_limit);
+  const StructureModes modes = modes_up_to(factor, fixed.mass, frequency_limit);
   Basis basis;
   basis.frequencies = modes.frequencies;
   basis.stiffness = (2 * std::numbers::pi * modes.frequencies).cwiseAbs2();

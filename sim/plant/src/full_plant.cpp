@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/plant/plant.hpp>
+#include <rths/plant/large_plant_analysis.hpp>
 
 namespace rths::plant {
 namespace {
@@ -24,11 +24,12 @@ SparseMatrix effective_mass(const Structure& structure, const BearingSet& bearin
 
 /// Because the damping of the bearings' springs is in d, no product with K is needed:
 ///     (M + c K_I)(a⁺ + w/c) = −M ι a_g − Bᵀ d + M w/c
-class FullPlant final : public Plant {
+class FullPlant final : public LargePlantAnalysis {
  public:
   FullPlant(const Structure& structure, const BearingSet& bearings, const sim::GroundMotion& motion,
             const PlantSettings& settings)
-      : Plant{bearings, weights_of(structure, bearings), motion, structure.floors, settings},
+      : LargePlantAnalysis{bearings, weights_of(structure, bearings), motion, structure.floors,
+                           settings},
         mass_{structure.mass},
         inertia_{structure.inertia()},
         factor_{effective_mass(structure, bearings, implicit_share())},
@@ -106,8 +107,10 @@ class FullPlant final : public Plant {
 
 }  // namespace
 
-std::unique_ptr<Plant> make_full(const Structure& structure, const BearingSet& bearings,
-                                 const sim::GroundMotion& motion, const PlantSettings& settings) {
+std::unique_ptr<LargePlantAnalysis> make_full(const Structure& structure,
+                                              const BearingSet& bearings,
+                                              const sim::GroundMotion& motion,
+                                              const PlantSettings& settings) {
   return std::make_unique<FullPlant>(structure, bearings, motion, settings);
 }
 

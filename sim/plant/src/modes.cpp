@@ -42,7 +42,7 @@ class Flexibility {
 
 }  // namespace
 
-Modes lowest_modes(Factor& factor, const VectorXd& mass, Index count) {
+StructureModes lowest_modes(Factor& factor, const VectorXd& mass, Index count) {
   Flexibility flexibility{factor, mass};
   const Index basis = std::min(mass.size(), 2 * count + 20);
   Spectra::SymEigsSolver<Flexibility> solver{flexibility, count, basis};
@@ -51,16 +51,16 @@ Modes lowest_modes(Factor& factor, const VectorXd& mass, Index count) {
                                      Spectra::SortRule::LargestAlge);
   if (found < count || solver.info() != Spectra::CompInfo::Successful)
     throw Error{fmt::format("{} of {} modes were found", found, count)};
-  Modes modes;
+  StructureModes modes;
   modes.frequencies = solver.eigenvalues().cwiseInverse().cwiseSqrt() / (2 * std::numbers::pi);
   modes.shapes = flexibility.root().cwiseInverse().asDiagonal() * solver.eigenvectors();
   return modes;
 }
 
-Modes modes_up_to(Factor& factor, const VectorXd& mass, double frequency) {
+StructureModes modes_up_to(Factor& factor, const VectorXd& mass, double frequency) {
   const Index most = mass.size() / 2;
   for (Index count = std::min(kFirstModes, most);;) {
-    Modes modes = lowest_modes(factor, mass, count);
+    StructureModes modes = lowest_modes(factor, mass, count);
     const auto below = (modes.frequencies.array() <= frequency).count();
     if (below < count) {
       modes.frequencies.conservativeResize(below + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/plant/plant.hpp>
+#include <rths/plant/large_plant_analysis.hpp>
 
 #include <fmt/format.h>
 
@@ -24,11 +24,11 @@ Basis padded(Basis basis) {
   return basis;
 }
 
-class ReducedPlant final : public Plant {
+class ReducedPlant final : public LargePlantAnalysis {
  public:
   ReducedPlant(const Basis& basis, const BearingSet& bearings, const sim::GroundMotion& motion,
                const std::vector<Floor>& floors, const PlantSettings& settings)
-      : Plant{bearings, basis.weights, motion, floors, settings},
+      : LargePlantAnalysis{bearings, basis.weights, motion, floors, settings},
         stiffness_{basis.stiffness},
         compliance_{(1 + implicit_share() * basis.stiffness.array()).inverse()},
         shapes_{basis.bearings},
@@ -84,10 +84,10 @@ class ReducedPlant final : public Plant {
 
 }  // namespace
 
-std::unique_ptr<Plant> make_reduced(const Basis& basis, const BearingSet& bearings,
-                                    const sim::GroundMotion& motion,
-                                    const std::vector<Floor>& floors,
-                                    const PlantSettings& settings) {
+std::unique_ptr<LargePlantAnalysis> make_reduced(const Basis& basis, const BearingSet& bearings,
+                                                 const sim::GroundMotion& motion,
+                                                 const std::vector<Floor>& floors,
+                                                 const PlantSettings& settings) {
   const auto require = [](Index found, std::size_t expected, const char* what) {
     if (found != static_cast<Index>(kDirections * expected))
       throw Error{fmt::format("plant: the basis has {} {}, expected {}",

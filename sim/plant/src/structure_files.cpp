@@ -81,7 +81,7 @@ class NodeNumbers {
     while (const auto cells = table.next()) {
       const Index number = lines.whole((*cells)[0], "node", 1, kMostNodes);
       nodes.add(number);
-      Node node;
+      MeshNode node;
       for (std::size_t k = 0; k < kDirections; ++k) {
         node.place[k] = lines.number((*cells)[1 + k], kPlaces[k]);
         const Index row = lines.whole((*cells)[4 + k], kDofs[k], 0, structure.dofs());

@@ -12,7 +12,7 @@ namespace rths::plant {
 inline constexpr std::size_t kAntBearings = 486;
 
 /// The parts of the plant. The first one is the flexible basemat.
-enum class Part : std::size_t { Basemat, Containment, Internal, Auxiliary };
+enum class PlantPart : std::size_t { Basemat, Containment, Internal, Auxiliary };
 inline constexpr std::size_t kParts = 4;
 
 /// A nuclear plant on a flexible basemat above 27 × 18 bearings, of solid elements on a grid:
@@ -34,12 +34,12 @@ struct AntDesign {
 /// An element with eight nodes, a box along the axes: four below, four above, counterclockwise.
 struct Solid {
   std::array<std::size_t, 8> nodes{};
-  Part part{};
+  PlantPart part{};
 };
 
 /// The mesh of a plant, for other programs too.
 struct AntMesh {
-  std::vector<Node> nodes;
+  std::vector<MeshNode> nodes;
   std::vector<Solid> solids;
   std::vector<std::size_t> bearings;  ///< nodes
   std::vector<Floor> floors;          ///< "containment_47.5", "internal_47.5", "auxiliary_47.5"
@@ -56,6 +56,6 @@ struct AntMesh {
 /// Trilinear solids, fully integrated, with lumped masses.   @setup
 [[nodiscard]] Structure assemble(const AntMesh& mesh);
 /// One part on a fixed base: without the nodes that it shares with the basemat.   @setup
-[[nodiscard]] Structure on_fixed_base(const AntMesh& mesh, Part part);
+[[nodiscard]] Structure on_fixed_base(const AntMesh& mesh, PlantPart part);
 
 }  // namespace rths::plant

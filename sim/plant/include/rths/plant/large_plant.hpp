@@ -6,7 +6,7 @@
 #include <optional>
 
 #include <rths/plant/ant.hpp>
-#include <rths/plant/plant.hpp>
+#include <rths/plant/large_plant_analysis.hpp>
 #include <rths/sim/structure_model.hpp>
 
 namespace rths::plant {

@@ -6,7 +6,7 @@
 namespace rths::plant {
 
 /// Modes of K φ = ω² M φ, lowest first.
-struct Modes {
+struct StructureModes {
   VectorXd frequencies;  ///< [Hz]
   MatrixXd shapes;       ///< dof × mode; ΦᵀMΦ = 1
 };
@@ -14,10 +14,10 @@ struct Modes {
 /// @param factor  of K
 /// @param mass    lumped [kg]
 /// @throws Error if they are not found to 1e-8   @setup
-[[nodiscard]] Modes lowest_modes(Factor& factor, const VectorXd& mass, Index count);
+[[nodiscard]] StructureModes lowest_modes(Factor& factor, const VectorXd& mass, Index count);
 
 /// All modes up to a frequency, and the first one above it.
 /// @throws Error as lowest_modes, or if there are more than half of the degrees of freedom   @setup
-[[nodiscard]] Modes modes_up_to(Factor& factor, const VectorXd& mass, double frequency);
+[[nodiscard]] StructureModes modes_up_to(Factor& factor, const VectorXd& mass, double frequency);
 
 }  // namespace rths::plant

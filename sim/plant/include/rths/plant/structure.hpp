@@ -20,7 +20,7 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 inline constexpr std::size_t kDirections = 3;
 inline constexpr Index kNoDof = -1;
 
-struct Node {
+struct MeshNode {
   std::array<double, kDirections> place{};  ///< [m]
   std::array<Index, kDirections> dofs{kNoDof, kNoDof, kNoDof};
 };
@@ -36,7 +36,7 @@ struct Floor {
 struct Structure {
   SparseMatrix stiffness;  ///< K, dof × dof, symmetric; rigid-body motion has none [N/m]
   VectorXd mass;           ///< lumped, of each degree of freedom [kg]
-  std::vector<Node> nodes;
+  std::vector<MeshNode> nodes;
   std::vector<std::size_t> bearings;  ///< nodes on bearings, each with three degrees of freedom
   std::vector<Floor> floors;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <rths/plant/plant.hpp>
+#include <rths/plant/large_plant_analysis.hpp>
 
 #include <algorithm>
 #include <numbers>
@@ -40,8 +40,9 @@ Index row_of(std::size_t bearing) { return static_cast<Index>(kDirections * bear
 
 }  // namespace
 
-Plant::Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMotion motion,
-             const std::vector<Floor>& floors, const PlantSettings& settings)
+LargePlantAnalysis::LargePlantAnalysis(const BearingSet& bearings, const VectorXd& weights,
+                                       sim::GroundMotion motion, const std::vector<Floor>& floors,
+                                       const PlantSettings& settings)
     : settings_{checked(settings, bearings.kind_of.size())},
       beta_{(1 - settings.alpha) * (1 - settings.alpha) / 4},
       gamma_{(1 - 2 * settings.alpha) / 2},
@@ -57,22 +58,24 @@ Plant::Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMot
       mixed_correction_{correction_},
       floor_acceleration_{VectorXd::Zero(row_of(floors_))} {}
 
-void Plant::begin_at_rest(Index size) {
+void LargePlantAnalysis::begin_at_rest(Index size) {
   for (auto* each :
        {&state_.u, &state_.v, &state_.a, &state_.predicted_u, &state_.predicted_v, &state_.w})
     each->setZero(size);
   if (settings_.counts_energy) energy_ = std::make_unique<EnergyCount>(*this);
 }
 
-Plant::~Plant() = default;
+LargePlantAnalysis::~LargePlantAnalysis() = default;
 
-EnergyBalance Plant::energy() const noexcept {
+EnergyBalance LargePlantAnalysis::energy() const noexcept {
   return energy_ ? energy_->energy() : EnergyBalance{};
 }
 
-std::vector<sim::InterfaceDof> Plant::interface() const { return sim::plant_interface(); }
+std::vector<sim::InterfaceDof> LargePlantAnalysis::interface() const {
+  return sim::plant_interface();
+}
 
-void Plant::predict(std::span<double> target, std::span<double> rate) noexcept {
+void LargePlantAnalysis::predict(std::span<double> target, std::span<double> rate) noexcept {
   ++steps_;
   const double h = settings_.time_step, alpha = settings_.alpha;
   auto& [u, v, a, predicted_u, predicted_v, w] = state_;
@@ -91,7 +94,7 @@ void Plant::predict(std::span<double> target, std::span<double> rate) noexcept {
   has_worked_ = false;
 }
 
-void Plant::work_ahead() noexcept {
+void LargePlantAnalysis::work_ahead() noexcept {
   if (has_worked_) return;
   has_worked_ = true;
   bearing_motion(bearing_motion_);
@@ -104,7 +107,7 @@ void Plant::work_ahead() noexcept {
   ground_ = ground;
 }
 
-void Plant::correct(std::span<const double> force) noexcept {
+void LargePlantAnalysis::correct(std::span<const double> force) noexcept {
   work_ahead();
   const std::size_t tested = settings_.tested_bearing;
   const Eigen::Matrix<double, 3, 2> motion = tested_motion();
@@ -119,9 +122,11 @@ void Plant::correct(std::span<const double> force) noexcept {
   if (energy_) energy_->add_step(*this);
 }
 
-std::vector<sim::MonitoredQuantity> Plant::monitors() const { return monitors_of(floors_); }
+std::vector<sim::MonitoredQuantity> LargePlantAnalysis::monitors() const {
+  return monitors_of(floors_);
+}
 
-void Plant::monitor(std::span<double> values) const noexcept {
+void LargePlantAnalysis::monitor(std::span<double> values) const noexcept {
   floor_motion(floor_acceleration_);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto at = static_cast<Index>(i);

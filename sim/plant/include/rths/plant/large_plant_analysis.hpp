@@ -18,7 +18,7 @@ struct PlantSettings {
   /// Damping is also proportional to the bearings' initial stiffness, as in programs that damp all
   /// of K. It is wrong: a bearing that yields keeps the dashpot of its unyielded stiffness.
   bool damps_bearings = false;
-  bool counts_energy = false;  ///< see Plant::energy; a step takes longer
+  bool counts_energy = false;  ///< see LargePlantAnalysis::energy; a step takes longer
   std::size_t tested_bearing = 0;
 };
 
@@ -48,7 +48,7 @@ class EnergyCount;
 ///
 /// Only d of the tested bearing is late. By superposition, its effect on the next target is a fixed
 /// 2 × 2 matrix; all else is computed by `work_ahead`, while the machine moves.
-class Plant : public sim::Substructure {
+class LargePlantAnalysis : public sim::Substructure {
  public:
   [[nodiscard]] std::vector<sim::InterfaceDof> interface() const override;
   void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME override;
@@ -64,11 +64,11 @@ class Plant : public sim::Substructure {
   [[nodiscard]] const BearingField& bearings() const { return bearings_; }
   /// 0 unless the settings ask for it.
   [[nodiscard]] EnergyBalance energy() const RTHS_REALTIME;
-  ~Plant() override;
+  ~LargePlantAnalysis() override;
 
  protected:
-  Plant(const BearingSet& bearings, const VectorXd& weights, sim::GroundMotion motion,
-        const std::vector<Floor>& floors, const PlantSettings& settings);
+  LargePlantAnalysis(const BearingSet& bearings, const VectorXd& weights, sim::GroundMotion motion,
+                     const std::vector<Floor>& floors, const PlantSettings& settings);
 
   /// State of the integration: displacement, velocity and acceleration, and their predictions.
   struct State {
@@ -122,15 +122,16 @@ class Plant : public sim::Substructure {
 /// In the coordinates of a reduced basis: a step takes the same time for any number of degrees of
 /// freedom.
 /// @throws Error if the basis has other bearings or floors, or a setting is out of range   @setup
-[[nodiscard]] std::unique_ptr<Plant> make_reduced(const Basis& basis, const BearingSet& bearings,
-                                                  const sim::GroundMotion& motion,
-                                                  const std::vector<Floor>& floors,
-                                                  const PlantSettings& settings);
+[[nodiscard]] std::unique_ptr<LargePlantAnalysis> make_reduced(const Basis& basis,
+                                                               const BearingSet& bearings,
+                                                               const sim::GroundMotion& motion,
+                                                               const std::vector<Floor>& floors,
+                                                               const PlantSettings& settings);
 /// With all degrees of freedom, for reference: a sparse solution in each step.
 /// @throws Error as Factor, or if a setting is out of range   @setup
-[[nodiscard]] std::unique_ptr<Plant> make_full(const Structure& structure,
-                                               const BearingSet& bearings,
-                                               const sim::GroundMotion& motion,
-                                               const PlantSettings& settings);
+[[nodiscard]] std::unique_ptr<LargePlantAnalysis> make_full(const Structure& structure,
+                                                            const BearingSet& bearings,
+                                                            const sim::GroundMotion& motion,
+                                                            const PlantSettings& settings);
 
 }  // namespace rths::plant
