@@ -44,8 +44,7 @@ BearingSet bearings_of(const PlantDescription& plant) {
 }
 
 void say_that_it_takes_long(const char* what) {
-  write_message(
-      fmt::format("computing the modes of the {}; they are kept for the next time\n", what));
+  write_message(fmt::format("computing the modes of the {}\n", what));
 }
 
 std::vector<Floor> named(const std::vector<std::string>& names) {
