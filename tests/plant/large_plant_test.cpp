@@ -148,7 +148,6 @@ TEST(LargePlantModel, RefusesWhatItDoesNotIntegrate) {
 // Under a constant acceleration of the ground, a damped structure comes to rest on it.
 TEST(PlantOnAFixedBase, FollowsAConstantAccelerationOfTheGround) {
   auto description = described();
-  description.frequency_limit = 100;
   description.damping_frequency = 100;
   description.damping_ratio = 0.5;
   const LargePlant plant{std::move(description), std::nullopt};
@@ -163,7 +162,7 @@ TEST(PlantOnAFixedBase, FollowsAConstantAccelerationOfTheGround) {
 
   step();
   EXPECT_NEAR(values[0], 1.5, 1e-12);
-  EXPECT_LT(std::abs(values[3]), 0.5) << "a floor does not move at once";
+  EXPECT_GT(std::abs(values[3] - 1.5), 0.1) << "a floor does not follow at once";
   for (int i = 0; i < 20'000; ++i) step();
 
   EXPECT_EQ(fixed->monitors()[3].name, "floor.1.accel.long");
