@@ -34,9 +34,9 @@ void append(std::string& bytes, const Matrix& matrix) {
 }
 
 /// Takes numbers from bytes; stops at the first that are missing.
-class Bytes {
+class NumbersOfFile {
  public:
-  explicit Bytes(std::string_view rest) : rest_{rest} {}
+  explicit NumbersOfFile(std::string_view rest) : rest_{rest} {}
   [[nodiscard]] bool is_complete() const { return is_sound_ && rest_.empty(); }
   void take(void* data, std::size_t size) {
     is_sound_ = is_sound_ && size <= rest_.size();
@@ -90,7 +90,7 @@ std::optional<Basis> read_basis(const std::filesystem::path& file, const std::st
   const std::string_view body =
       std::string_view{bytes}.substr(head.size(), bytes.size() - head.size() - kHashSize);
   if (sha256(body) != std::string_view{bytes}.substr(bytes.size() - kHashSize)) return std::nullopt;
-  Bytes rest{body};
+  NumbersOfFile rest{body};
   Basis basis;
   visit_matrices(basis, [&](auto& matrix) { rest.take(matrix); });
   rest.take(basis.mass.data(), sizeof basis.mass);
