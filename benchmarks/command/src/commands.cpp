@@ -111,6 +111,19 @@ void add_bearings(Commands& to) {
                       "Python with OpenSees [RTHS_OPENSEES_PYTHON, or that of ./lab]");
 }
 
+void add_solver(Commands& to) {
+  SolverOptions& options = to.arguments.solver;
+  auto* command = add(to, {"solver", "Time of one step of plants on 486 nonlinear bearings"},
+                      options, run_solver_bench);
+  command->add_option("--dof", options.dofs, "Degrees of freedom, the nearest mesh; repeatable")
+      ->check(CLI::Range(1000, 1'000'000))
+      ->take_all()
+      ->allow_extra_args(false);
+  command->add_option("--steps", options.steps, "Steps of a row; a tenth of a full plant")
+      ->check(CLI::Range(100, 10'000'000))
+      ->capture_default_str();
+}
+
 void add_srmd(Commands& to) {
   SrmdOptions& options = to.arguments.srmd;
   auto* command = to.bench.add_subcommand(
@@ -240,8 +253,8 @@ void add_vertical(Commands& to) {
 }  // namespace
 
 void add_benchmarks(Commands& to) {
-  for (const auto add : {add_ring, add_bearings, add_srmd, add_card, add_opensees, add_bridge,
-                         add_diagnosis, add_force, add_vertical})
+  for (const auto add : {add_ring, add_bearings, add_solver, add_srmd, add_card, add_opensees,
+                         add_bridge, add_diagnosis, add_force, add_vertical})
     add(to);
 }
 

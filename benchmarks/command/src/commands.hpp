@@ -9,6 +9,7 @@
 #include <rths/bench/force_bench.hpp>
 #include <rths/bench/opensees_bench.hpp>
 #include <rths/bench/ring_bench.hpp>
+#include <rths/bench/solver_bench.hpp>
 #include <rths/bench/srmd_bench.hpp>
 #include <rths/bench/vertical_bench.hpp>
 #include <rths/command_line/program.hpp>
@@ -23,6 +24,7 @@ struct Arguments {
   std::string file;   ///< for the results of a long benchmark; empty: none
   RingOptions ring;
   BearingOptions bearings;
+  SolverOptions solver;
   SrmdOptions srmd;
   CardOptions card;
   OpenSeesOptions opensees;

@@ -11,6 +11,7 @@
 #include <rths/experiment/block_settings.hpp>
 #include <rths/loop/closed_loop.hpp>
 #include <rths/loop/perfect_machine.hpp>
+#include <rths/sim/plant_analysis.hpp>
 
 namespace rths::bench {
 namespace {
