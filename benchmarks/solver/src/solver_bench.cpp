@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <rths/core/constants.hpp>
+#include <rths/core/error.hpp>
 #include <rths/core/installed_files.hpp>
 #include <rths/maths/statistics.hpp>
 #include <rths/plant/large_plant.hpp>
@@ -61,6 +62,8 @@ class Steps {
     for (int i = 0; i < count + kWarmUp; ++i) step(i >= kWarmUp);
   }
   void fill(SolverRow& row, double limit) {
+    if (whole_.empty())
+      throw Error{"other processes interrupted every step: measure again on a quieter machine"};
     row.steps = static_cast<int>(whole_.size()) + excused_;
     row.excused = excused_;
     row.misses = static_cast<int>(
