@@ -121,6 +121,8 @@ std::vector<Description> describe(const TestedHypothesis& tested, const Folds& f
   };
   std::stable_sort(found.begin(), found.end(),
                    [&](const Description& a, const Description& b) { return worth(a) > worth(b); });
+  // A form may follow a part of the noise, too.
+  for (auto& one : found) one.share = std::min(one.share, 1.0);
   return found;
 }
 
