@@ -143,7 +143,7 @@ TEST(ReducedPlant, MonitorsTheGroundAndEachFloor) {
 
   ASSERT_EQ(monitors.size(), 12U);
   EXPECT_EQ(monitors[0].name, "ground.accel.long");
-  EXPECT_EQ(monitors[11].name, "floor.auxiliary_47.5.accel.vert");
+  EXPECT_EQ(monitors[11].name, "floor.3.accel.vert");
   EXPECT_EQ(monitors[11].unit, "m/s2");
 }
 
