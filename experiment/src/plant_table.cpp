@@ -11,7 +11,7 @@
 namespace rths::experiment {
 namespace {
 
-constexpr long kLeastDofs = 1000, kMostDofs = 1'000'000;
+constexpr long kLeastDofs = 4000, kMostDofs = 120'000;
 
 sim::Stick read_stick(const Config& table) {
   sim::Stick stick;
