@@ -190,6 +190,8 @@ int check_experiment(const std::string& file, const experiment::Overrides& chang
   check_sizes(experiment);
   fmt::print("{}: experiment '{}', {} nodes, {:g} s of '{}'\n", file, experiment.name,
              experiment.nodes.size(), experiment.time.duration, experiment.earthquake.name);
+  if (const auto summary = experiment.plant.structure->summary(); !summary.empty())
+    fmt::print("{}\n", summary);
   if (!experiment.history) fmt::print("{}\n", experiment::describe_motion(experiment));
   return kOk;
 }

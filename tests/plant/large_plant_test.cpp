@@ -135,6 +135,14 @@ TEST(LargePlantModel, AnalysesItsReducedPlant) {
   }
 }
 
+TEST(LargePlantModel, SaysItsSizeAndWeight) {
+  const LargePlant plant{described(), std::nullopt};
+
+  // Three boxes of 2 × 3 × 4 m and 2 t/m³ on a bearing at each of their 8 lower nodes.
+  EXPECT_EQ(plant.summary().find("plant: 48 degrees of freedom in "), 0U) << plant.summary();
+  EXPECT_NE(plant.summary().find(" 144 t on 8 bearings that carry "), std::string::npos);
+}
+
 TEST(LargePlantModel, RefusesWhatItDoesNotIntegrate) {
   const LargePlant plant{described(), std::nullopt};
   sim::AnalysisSettings settings{test::petrolia()};

@@ -100,6 +100,16 @@ LargePlant::LargePlant(PlantDescription description, std::optional<std::filesyst
                           {description_.frequency_limit, true, description_.tested_bearing});
       })} {}
 
+std::string LargePlant::summary() const {
+  return fmt::format(
+      "plant: {} degrees of freedom in {} coordinates, {:.0f} t on {} bearings that carry {:.3g} "
+      "to "
+      "{:.3g} MN; the tested one carries {:.3g} MN; {:.3g} Hz on yielded bearings",
+      basis_.dofs, basis_.coordinates(), basis_.mass[0] * 1e-3, description_.bearings,
+      basis_.weights.minCoeff() * 1e-6, basis_.weights.maxCoeff() * 1e-6, weight() * 1e-6,
+      basis_.frequencies[0]);
+}
+
 std::unique_ptr<sim::Substructure> LargePlant::analysis(
     const sim::AnalysisSettings& settings) const {
   require_no_substeps(settings);

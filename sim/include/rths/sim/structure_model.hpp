@@ -43,6 +43,8 @@ class StructureModel {
   [[nodiscard]] virtual double weight() const = 0;                    ///< on the tested bearing [N]
   /// Whether horizontal motion varies the load of the tested bearing.
   [[nodiscard]] virtual bool overturns() const = 0;
+  /// Its size and weight in a line, for a user to check their units; empty: none is needed.
+  [[nodiscard]] virtual std::string summary() const { return ""; }
   /// Of a structure that is small enough to solve in every frequency; null for others.
   [[nodiscard]] virtual const PlantMatrices* matrices() const { return nullptr; }
 };

@@ -50,6 +50,7 @@ class LargePlant final : public sim::StructureModel {
     return basis_.weights[static_cast<Index>(description_.tested_bearing)];
   }
   [[nodiscard]] bool overturns() const override { return true; }
+  [[nodiscard]] std::string summary() const override;
 
   [[nodiscard]] const Basis& basis() const { return basis_; }
   [[nodiscard]] const PlantDescription& description() const { return description_; }
