@@ -17,7 +17,7 @@
 namespace rths::plant {
 namespace {
 
-constexpr Index kLine = Shapes::kLine, kColumns = Shapes::kColumns;
+constexpr Index kLine = Shapes::kLine;
 constexpr Index kBlock = 512;  // rows whose results stay in the first cache
 
 // y += A x and w += A v for four columns of A.
