@@ -329,6 +329,21 @@ class Tree(unittest.TestCase):
             main.options_of(["absent"])
         self.assertIn("tests/absent is no folder; there are: ", said.getvalue())
 
+    def test_the_demo_is_an_experiment_with_either_solver(self):
+        settings = {name: "".join(part.strip("'") for part in parts) for name, parts in self._settings_of_demo().items()}
+        changes = ["--set", f"node.opf={settings['opensees_node']}", "--set", f"solver={settings['opensees_solver']}"]
+        for with_opensees in ([], changes):
+            said = subprocess.run([BUILD / "bin/rths", "check", TOP / settings["demo_experiment"], *with_opensees],
+                                  capture_output=True, text=True, check=False)
+            self.assertEqual((said.returncode, said.stderr), (0, ""))
+
+    @staticmethod
+    def _settings_of_demo():
+        found = {}
+        for name, value in re.findall(r"^((?:demo|opensees)_(?:experiment|node|solver))\+?=('[^']*'|\S+)", (TOP / "lab").read_text(), re.MULTILINE):
+            found.setdefault(name, []).append(value)
+        return found
+
     def test_the_installation_is_built_by_its_target(self):
         """Every file that `cmake --install` copies from the build."""
         graph = subprocess.run(["ninja", "-C", BUILD, "-t", "graph", "rths_installed"], capture_output=True, text=True, check=True).stdout
