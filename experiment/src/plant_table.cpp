@@ -50,7 +50,8 @@ std::shared_ptr<const sim::StructureModel> read_sticks(const Config& table) {
 
 // "corner", "centre", or an index from 1, along lat first.
 std::size_t tested_bearing_of_ant(const Config& table) {
-  constexpr std::size_t kCentre = 13 * 18 + 9;
+  constexpr std::size_t kCentre =
+      plant::kAntBearingsLong / 2 * plant::kAntBearingsLat + plant::kAntBearingsLat / 2;
   if (table.has("tested_bearing") && !table.is_text("tested_bearing"))
     return static_cast<std::size_t>(table.integer_in("tested_bearing", 1, plant::kAntBearings, 1) -
                                     1);
@@ -76,9 +77,7 @@ sim::Bearing others_of(const Config& file, double mass, std::size_t bearings) {
 
 plant::PlantDescription describe_ant(const Config& table, const Config& file) {
   const auto design = plant::ant_with(table.integer_in("dof", kLeastDofs, kMostDofs, 5'000));
-  double mass = 0;
-  for (const double part : design.masses) mass += part;
-  auto description = plant::describe(design, others_of(file, mass, plant::kAntBearings));
+  auto description = plant::describe(design, others_of(file, design.mass(), plant::kAntBearings));
   description.tested_bearing = tested_bearing_of_ant(table);
   return description;
 }

@@ -166,7 +166,7 @@ class Numerical final : public Adapter {
       post(step);
       return Status::Ok;
     }
-    work_ahead();
+    substructure_->work_ahead();  // the machine moves meanwhile
     const Status status =
         handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
     if (handshake_.is_ready()) at_target(step);
@@ -195,16 +195,8 @@ class Numerical final : public Adapter {
     computing_time_ = computing_times_ ? computing_times_->draw() : 0;
   }
 
-  // In a step after that of the target: the machine moves meanwhile.
-  void work_ahead() noexcept {
-    if (has_worked_) return;
-    substructure_->work_ahead();
-    has_worked_ = true;
-  }
-
   void post(const StepData& step) noexcept {
     ++steps_;
-    has_worked_ = false;
     for (std::size_t i = 0; i < axes_; ++i) {
       step.outputs[2 * i] = target_[places_[i]];
       step.outputs[2 * i + 1] = rate_[places_[i]];
@@ -230,7 +222,7 @@ class Numerical final : public Adapter {
   std::vector<double> target_, rate_, force_;  ///< of the interface; untested axes have no force
   std::optional<ComputingTimes> computing_times_;
   OpfHandshake handshake_;
-  bool is_computing_ = false, has_worked_ = true;
+  bool is_computing_ = false;
   double acquired_ = 0;        ///< start of the computation [s]
   double computing_time_ = 0;  ///< of the current step [s]
   std::uint64_t steps_ = 0;

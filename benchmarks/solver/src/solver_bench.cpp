@@ -133,9 +133,7 @@ SolverReport run_solver_bench(const SolverOptions& options) {
   report.machine = describe_machine();
   for (const long dofs : options.dofs) {
     const auto design = plant::ant_with(dofs);
-    double mass = 0;
-    for (const double part : design.masses) mass += part;
-    const auto bearing = bearing_of(mass * kStandardGravity / plant::kAntBearings);
+    const auto bearing = bearing_of(design.mass() * kStandardGravity / plant::kAntBearings);
     for (const bool is_full : {false, true}) {
       if (is_full && dofs > kMostOfFull) continue;
       if (options.progress)

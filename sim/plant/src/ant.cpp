@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -17,7 +18,6 @@ namespace {
 
 using ElementMatrix = Eigen::Matrix<double, 24, 24>;
 
-constexpr int kBearingsLong = 27, kBearingsLat = 18;
 constexpr double kSideLong = 110, kSideLat = 90;  // of the area that the bearings share [m]
 constexpr double kMatThickness = 4;               // [m]
 constexpr double kFloorElevation = 47.5, kRoofElevation = 70;                             // [m]
@@ -36,10 +36,10 @@ class Grid {
  public:
   explicit Grid(const AntDesign& design)
       : design_{design},
-        columns_{(kBearingsLong - 1) * design.plan},
-        rows_{(kBearingsLat - 1) * design.plan},
-        width_{kSideLong / kBearingsLong / design.plan},
-        depth_{kSideLat / kBearingsLat / design.plan},
+        columns_{(kAntBearingsLong - 1) * design.plan},
+        rows_{(kAntBearingsLat - 1) * design.plan},
+        width_{kSideLong / kAntBearingsLong / design.plan},
+        depth_{kSideLat / kAntBearingsLat / design.plan},
         height_{kFloorElevation / design.levels},
         roof_levels_{
             std::max(design.levels + 1, static_cast<int>(std::lround(kRoofElevation / height_)))} {}
@@ -50,12 +50,12 @@ class Grid {
         for (int j = 0; j < rows_; ++j) add(i, j, layer, PlantPart::Basemat);
     for (int i = 0; i < columns_; ++i)
       for (int j = 0; j < rows_; ++j) add_above(i, j);
-    for (int i = 0; i < kBearingsLong; ++i)
-      for (int j = 0; j < kBearingsLat; ++j)
+    for (int i = 0; i < kAntBearingsLong; ++i)
+      for (int j = 0; j < kAntBearingsLat; ++j)
         mesh_.bearings.push_back(node(i * design_.plan, j * design_.plan, 0, PlantPart::Basemat));
-    mesh_.floors = {{"containment_47.5", nearest(22, 0, PlantPart::Containment)},
-                    {"internal_47.5", nearest(0, 0, PlantPart::Internal)},
-                    {"auxiliary_47.5", nearest(36, 30, PlantPart::Auxiliary)}};
+    mesh_.floors = {{kAntFloors[0], nearest(22, 0, PlantPart::Containment)},
+                    {kAntFloors[1], nearest(0, 0, PlantPart::Internal)},
+                    {kAntFloors[2], nearest(36, 30, PlantPart::Auxiliary)}};
     return std::move(mesh_);
   }
 
@@ -237,6 +237,8 @@ void tune(const AntDesign& design, AntMesh& mesh) {
 }
 
 }  // namespace
+
+double AntDesign::mass() const { return std::accumulate(masses.begin(), masses.end(), 0.0); }
 
 AntDesign ant_with(long dofs) {
   struct Size {

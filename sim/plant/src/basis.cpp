@@ -16,14 +16,6 @@ namespace {
 constexpr int kPasses = 3;         // of Gram-Schmidt
 constexpr double kOwnPart = 1e-9;  // of a vector that the others do not contain, at least
 
-std::vector<std::array<double, kDirections>> springs_of(
-    const std::vector<BearingStiffness>& stiffness,
-    std::array<double, kDirections> BearingStiffness::*which) {
-  std::vector<std::array<double, kDirections>> springs;
-  for (const auto& one : stiffness) springs.push_back(one.*which);
-  return springs;
-}
-
 /// Loads whose static deflections belong to a basis.
 class StaticLoads {
  public:
@@ -111,14 +103,12 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
     throw Error{fmt::format("basis: bearing {} is tested, but there are {}",
                             settings.tested_bearing + 1, structure.bearings.size())};
   const auto stiffness = stiffness_of(bearings);
-  const SparseMatrix initial =
-      structure.on_springs(springs_of(stiffness, &BearingStiffness::initial));
+  const SparseMatrix initial = on_springs(structure, stiffness, &BearingStiffness::initial);
   Factor on_initial{initial};
   Basis basis;
   MatrixXd shapes;
   {
-    Factor on_post_yield{
-        structure.on_springs(springs_of(stiffness, &BearingStiffness::post_yield))};
+    Factor on_post_yield{on_springs(structure, stiffness, &BearingStiffness::post_yield)};
     StructureModes modes = modes_up_to(on_post_yield, structure.mass, settings.frequency_limit);
     basis.frequencies = std::move(modes.frequencies);
     shapes = std::move(modes.shapes);

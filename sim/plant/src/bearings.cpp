@@ -55,6 +55,13 @@ std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings) {
   return result;
 }
 
+SparseMatrix on_springs(const Structure& structure, const std::vector<BearingStiffness>& bearings,
+                        std::array<double, kDirections> BearingStiffness::*springs) {
+  std::vector<std::array<double, kDirections>> chosen;
+  for (const auto& bearing : bearings) chosen.push_back(bearing.*springs);
+  return structure.on_springs(chosen);
+}
+
 BearingField::BearingField(const BearingSet& bearings, const VectorXd& weights, double time_step,
                            double damping_time)
     : kind_of_{bearings.kind_of},

@@ -9,6 +9,8 @@
 #include <rths/sim/oscillator.hpp>
 #include <rths/sim/plant_analysis.hpp>
 
+#include "floor_monitors.hpp"
+
 namespace rths::plant {
 namespace {
 
@@ -71,8 +73,7 @@ class FixedPlant final : public sim::Substructure {
     std::fill(rate.begin(), rate.end(), 0.0);
   }
   void correct(std::span<const double> /*force*/) RTHS_REALTIME override {
-    const Eigen::Vector2d level = motion_.at(time());
-    const Eigen::Vector3d now{level[0], level[1], motion_.vertical_at(time())};
+    const Eigen::Vector3d now = ground_at(motion_, time());
     for (std::size_t i = 0; i < modes_.size(); ++i) {
       const auto row = participation_.row(static_cast<Index>(i));
       const double before = row.dot(ground_), after = row.dot(now);
@@ -89,10 +90,7 @@ class FixedPlant final : public sim::Substructure {
   }
   void monitor(std::span<double> values) const RTHS_REALTIME override {
     floor_acceleration_.noalias() = floors_ * acceleration_;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const auto at = static_cast<Index>(i);
-      values[i] = ground_[at % 3] + (at < 3 ? 0 : floor_acceleration_[at - 3]);
-    }
+    write_monitors(ground_, floor_acceleration_, values);
   }
 
  private:
@@ -133,17 +131,6 @@ Basis fixed_basis(const Structure& structure, double frequency_limit) {
 std::unique_ptr<sim::Substructure> make_fixed(const Basis& basis, const sim::GroundMotion& motion,
                                               double time_step, double damping_time) {
   return std::make_unique<FixedPlant>(basis, motion, time_step, damping_time);
-}
-
-std::vector<sim::MonitoredQuantity> monitors_of(std::size_t floors) {
-  std::vector<sim::MonitoredQuantity> monitors;
-  const auto add = [&](const std::string& place) {
-    for (const Axis axis : kTranslations)
-      monitors.push_back({place + ".accel." + name_of(axis), "m/s2"});
-  };
-  add("ground");
-  for (std::size_t i = 1; i <= floors; ++i) add(fmt::format("floor.{}", i));
-  return monitors;
 }
 
 }  // namespace rths::plant

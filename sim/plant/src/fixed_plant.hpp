@@ -19,7 +19,4 @@ namespace rths::plant {
                                                             const sim::GroundMotion& motion,
                                                             double time_step, double damping_time);
 
-/// Names and values of the monitors of a plant: ground and floors, long, lat and vert.   @setup
-[[nodiscard]] std::vector<sim::MonitoredQuantity> monitors_of(std::size_t floors);
-
 }  // namespace rths::plant

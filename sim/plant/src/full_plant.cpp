@@ -5,9 +5,7 @@ namespace rths::plant {
 namespace {
 
 SparseMatrix on_initial_springs(const Structure& structure, const BearingSet& bearings) {
-  std::vector<std::array<double, kDirections>> springs;
-  for (const auto& stiffness : stiffness_of(bearings)) springs.push_back(stiffness.initial);
-  return structure.on_springs(springs);
+  return on_springs(structure, stiffness_of(bearings), &BearingStiffness::initial);
 }
 
 VectorXd weights_of(const Structure& structure, const BearingSet& bearings) {

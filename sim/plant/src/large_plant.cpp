@@ -2,7 +2,6 @@
 #include <rths/plant/large_plant.hpp>
 
 #include <cstdlib>
-#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -16,8 +15,6 @@
 
 namespace rths::plant {
 namespace {
-
-constexpr const char* kFloorNames[] = {"containment_47.5", "internal_47.5", "auxiliary_47.5"};
 
 std::string text_of(const sim::Bearing& bearing) {
   std::string text =
@@ -53,6 +50,17 @@ std::vector<Floor> named(const std::vector<std::string>& names) {
   return floors;
 }
 
+PlantSettings settings_of(const PlantDescription& description,
+                          const sim::AnalysisSettings& settings) {
+  PlantSettings plant;
+  plant.time_step = settings.time_step;
+  plant.alpha = settings.alpha;
+  plant.damping_ratio = description.damping_ratio;
+  plant.damping_frequency = description.damping_frequency;
+  plant.tested_bearing = description.tested_bearing;
+  return plant;
+}
+
 void require_no_substeps(const sim::AnalysisSettings& settings) {
   if (settings.substeps != 1)
     throw Error{
@@ -74,7 +82,7 @@ PlantDescription describe(const AntDesign& design, const sim::Bearing& bearing) 
       fmt::format("ant {} {} {}; masses {:.17g}; frequencies {:.17g}; {:.17g} Pa {:.17g}",
                   design.plan, design.mat_layers, design.levels, fmt::join(design.masses, " "),
                   fmt::join(design.frequencies, " "), design.basemat_modulus, design.poisson_ratio);
-  plant.floors.assign(std::begin(kFloorNames), std::end(kFloorNames));
+  plant.floors.assign(kAntFloors.begin(), kAntFloors.end());
   plant.bearings = kAntBearings;
   plant.bearing = bearing;
   return plant;
@@ -102,9 +110,8 @@ LargePlant::LargePlant(PlantDescription description, std::optional<std::filesyst
 
 std::string LargePlant::summary() const {
   return fmt::format(
-      "plant: {} degrees of freedom in {} coordinates, {:.0f} t on {} bearings that carry {:.3g} "
-      "to "
-      "{:.3g} MN; the tested one carries {:.3g} MN; {:.3g} Hz on yielded bearings",
+      "plant: {} degrees of freedom in {} coordinates, {:.0f} t on {} bearings that carry "
+      "{:.3g} to {:.3g} MN; the tested one carries {:.3g} MN; {:.3g} Hz on yielded bearings",
       basis_.dofs, basis_.coordinates(), basis_.mass[0] * 1e-3, description_.bearings,
       basis_.weights.minCoeff() * 1e-6, basis_.weights.maxCoeff() * 1e-6, weight() * 1e-6,
       basis_.frequencies[0]);
@@ -113,12 +120,7 @@ std::string LargePlant::summary() const {
 std::unique_ptr<sim::Substructure> LargePlant::analysis(
     const sim::AnalysisSettings& settings) const {
   require_no_substeps(settings);
-  PlantSettings plant;
-  plant.time_step = settings.time_step;
-  plant.alpha = settings.alpha;
-  plant.damping_ratio = description_.damping_ratio;
-  plant.damping_frequency = description_.damping_frequency;
-  plant.tested_bearing = description_.tested_bearing;
+  const PlantSettings plant = settings_of(description_, settings);
   if (description_.is_full)
     return make_full(description_.structure(), bearings_, settings.motion, plant);
   return make_reduced(basis_, bearings_, settings.motion, named(description_.floors), plant);
@@ -130,9 +132,8 @@ std::unique_ptr<sim::Substructure> LargePlant::analysis_on_fixed_base(
     say_that_it_takes_long("plant on a fixed base");
     return fixed_basis(description_.structure(), description_.frequency_limit);
   });
-  const double damping_time =
-      description_.damping_ratio / (std::numbers::pi * description_.damping_frequency);
-  return make_fixed(fixed, settings.motion, settings.time_step, damping_time);
+  return make_fixed(fixed, settings.motion, settings.time_step,
+                    settings_of(description_, settings).damping_time());
 }
 
 }  // namespace rths::plant

@@ -11,7 +11,7 @@
 #include <rths/sim/plant_analysis.hpp>
 
 #include "energy_count.hpp"
-#include "fixed_plant.hpp"
+#include "floor_monitors.hpp"
 #include "shapes.hpp"
 
 namespace rths::plant {
@@ -34,11 +34,13 @@ const PlantSettings& checked(const PlantSettings& settings, std::size_t bearings
   return settings;
 }
 
-Index padded_rows(Index rows) { return (rows + Shapes::kLine - 1) / Shapes::kLine * Shapes::kLine; }
-
 Index row_of(std::size_t bearing) { return static_cast<Index>(kDirections * bearing); }
 
 }  // namespace
+
+double PlantSettings::damping_time() const {
+  return damping_ratio / (std::numbers::pi * damping_frequency);
+}
 
 LargePlantAnalysis::LargePlantAnalysis(const BearingSet& bearings, const VectorXd& weights,
                                        sim::GroundMotion motion, const std::vector<Floor>& floors,
@@ -46,14 +48,14 @@ LargePlantAnalysis::LargePlantAnalysis(const BearingSet& bearings, const VectorX
     : settings_{checked(settings, bearings.kind_of.size())},
       beta_{(1 - settings.alpha) * (1 - settings.alpha) / 4},
       gamma_{(1 - 2 * settings.alpha) / 2},
-      damping_time_{settings.damping_ratio / (std::numbers::pi * settings.damping_frequency)},
+      damping_time_{settings.damping_time()},
       implicit_share_{(1 + settings.alpha) * settings.time_step *
                       (gamma_ * damping_time_ + beta_ * settings.time_step)},
       motion_{std::move(motion)},
       bearings_{bearings, weights, settings.time_step, settings.damps_bearings ? 0 : damping_time_},
       floors_{floors.size()},
       bearing_motion_{MatrixXd::Zero(row_of(bearings.kind_of.size()), 2)},
-      correction_{VectorXd::Zero(padded_rows(bearing_motion_.rows()))},
+      correction_{VectorXd::Zero(up_to_multiple(bearing_motion_.rows(), Shapes::kLine))},
       last_correction_{correction_},
       mixed_correction_{correction_},
       floor_acceleration_{VectorXd::Zero(row_of(floors_))} {}
@@ -101,8 +103,7 @@ void LargePlantAnalysis::work_ahead() noexcept {
   bearings_.advance(bearing_motion_, settings_.tested_bearing, correction_);
   const double alpha = settings_.alpha;
   mixed_correction_ = (1 + alpha) * correction_ - alpha * last_correction_;
-  const Eigen::Vector2d level = motion_.at(time());
-  const Eigen::Vector3d ground{level[0], level[1], motion_.vertical_at(time())};
+  const Eigen::Vector3d ground = ground_at(motion_, time());
   solve((1 + alpha) * ground - alpha * ground_, mixed_correction_);
   ground_ = ground;
 }
@@ -128,10 +129,7 @@ std::vector<sim::MonitoredQuantity> LargePlantAnalysis::monitors() const {
 
 void LargePlantAnalysis::monitor(std::span<double> values) const noexcept {
   floor_motion(floor_acceleration_);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const auto at = static_cast<Index>(i);
-    values[i] = ground_[at % 3] + (at < 3 ? 0 : floor_acceleration_[at - 3]);
-  }
+  write_monitors(ground_, floor_acceleration_, values);
 }
 
 }  // namespace rths::plant

@@ -12,8 +12,7 @@ namespace {
 
 // With coordinates that never move, up to a multiple.
 Basis padded(Basis basis) {
-  const Index size =
-      (basis.coordinates() + Shapes::kColumns - 1) / Shapes::kColumns * Shapes::kColumns;
+  const Index size = up_to_multiple(basis.coordinates(), Shapes::kColumns);
   const auto add = [](MatrixXd& matrix, Index rows, Index columns) {
     matrix.conservativeResizeLike(MatrixXd::Zero(rows, columns));
   };

@@ -49,8 +49,6 @@ void add_products(const float* a, Index stride, Index rows, const double* x, dou
   }
 }
 
-Index up_to_multiple(Index count, Index of) { return (count + of - 1) / of * of; }
-
 }  // namespace
 
 Shapes::Shapes(const MatrixXd& shapes)

@@ -8,6 +8,10 @@
 
 namespace rths::plant {
 
+[[nodiscard]] inline Index up_to_multiple(Index count, Index of) {
+  return (count + of - 1) / of * of;
+}
+
 /// Shapes of a basis at the bearings: most of the time of a step is two passes over them.
 ///
 /// Single precision lets them stay in the cache of one core. It moves the shapes by 6e-8 of their

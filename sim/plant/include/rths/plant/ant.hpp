@@ -9,7 +9,11 @@
 
 namespace rths::plant {
 
-inline constexpr std::size_t kAntBearings = 486;
+inline constexpr int kAntBearingsLong = 27, kAntBearingsLat = 18;
+/// Numbered along lat first.
+inline constexpr std::size_t kAntBearings = std::size_t{kAntBearingsLong} * kAntBearingsLat;
+/// Floors at 47.5 m.
+inline constexpr std::array kAntFloors{"containment_47.5", "internal_47.5", "auxiliary_47.5"};
 
 /// The parts of the plant. The first one is the flexible basemat.
 enum class PlantPart : std::size_t { Basemat, Containment, Internal, Auxiliary };
@@ -29,6 +33,8 @@ struct AntDesign {
   std::array<double, kParts> frequencies{0, 4.4, 5.9, 7.6};     ///< first, on a fixed base [Hz]
   double basemat_modulus = 30e9;                                ///< [Pa]
   double poisson_ratio = 0.2;
+
+  [[nodiscard]] double mass() const;  ///< of all parts [kg]
 };
 
 /// An element with eight nodes, a box along the axes: four below, four above, counterclockwise.
@@ -41,8 +47,8 @@ struct Solid {
 struct AntMesh {
   std::vector<MeshNode> nodes;
   std::vector<Solid> solids;
-  std::vector<std::size_t> bearings;  ///< nodes
-  std::vector<Floor> floors;          ///< "containment_47.5", "internal_47.5", "auxiliary_47.5"
+  std::vector<std::size_t> bearings;       ///< nodes
+  std::vector<Floor> floors;               ///< kAntFloors
   std::array<double, kParts> densities{};  ///< [kg/m³]
   std::array<double, kParts> moduli{};     ///< [Pa]
   double poisson_ratio = 0;

@@ -27,6 +27,11 @@ struct BearingStiffness {
 };
 /// @throws Error if a bearing has no stiffness or no kind   @setup
 [[nodiscard]] std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings);
+/// K on these springs, for instance on `&BearingStiffness::initial`.
+/// @throws Error as Structure::on_springs   @setup
+[[nodiscard]] SparseMatrix on_springs(const Structure& structure,
+                                      const std::vector<BearingStiffness>& bearings,
+                                      std::array<double, kDirections> BearingStiffness::*springs);
 
 /// What the bearings add to their initial stiffness and to its damping a₁ k, in every time step:
 ///     d = f(u, v) − k (u + a₁ v)                      horizontally

@@ -20,6 +20,8 @@ struct PlantSettings {
   bool damps_bearings = false;
   bool counts_energy = false;  ///< see LargePlantAnalysis::energy; a step takes longer
   std::size_t tested_bearing = 0;
+
+  [[nodiscard]] double damping_time() const;  ///< a₁ = 2 ζ/ω [s]
 };
 
 /// Energies since the start [J], relative to the ground. Their balance tests the integration: the
