@@ -17,17 +17,15 @@ constexpr double kRefusedDelayRatio = 0.8;
 PredictorCorrector::PredictorCorrector(const PredictorCorrectorSettings& settings)
     : settings_{settings},
       hold_point_{hold_point(settings)},
-      ramp_{(hold_point_ - settings.slow_down_from) * settings.substeps} {
+      ramp_{std::max(1.0, (hold_point_ - settings.slow_down_from) * settings.substeps)} {
   const Require require{"predictor-corrector"};
   const double begin = settings.slow_down_from;
   require(settings.axes >= 1, "the number of axes", static_cast<double>(settings.axes),
           "at least 1");
-  require(settings.substeps >= 10, "the number of substeps", settings.substeps, "at least 10");
+  require(settings.substeps >= 1, "the number of substeps", settings.substeps, "at least 1");
   require(begin > 0 && begin < 1, "the begin of slow-down", begin, "a number between 0 and 1");
   require(settings.hold_at == 0 || (settings.hold_at > begin && settings.hold_at < 1),
           "the hold point", settings.hold_at, "a number between the begin of slow-down and 1");
-  require(ramp_ > 1, "the begin of slow-down", begin,
-          "an earlier one: slow-down ends within one substep");
   require(settings.largest_xi > 0 && settings.largest_xi < 1, "the largest xi", settings.largest_xi,
           "a number between 0 and 1");
   require.positive("simulation step", settings.simulation_step);
@@ -67,7 +65,7 @@ void PredictorCorrector::substep(bool new_target, const Target& target) noexcept
         state_ = PcState::AutoSlowDown;
         slow_down();
       } else {
-        advance_to(counter_ + 1);
+        advance_to(std::min(counter_ + 1, hold_point_ * last));
         evaluate(Branch::Predict);
       }
       return;
@@ -110,15 +108,18 @@ void PredictorCorrector::enter_predict() noexcept {
   state_ = PcState::Predict;
   xi_ = 1;
   switch_command_ = command_;
-  counter_ = 1;
+  counter_ = 0;
   slow_down_end_ = 0;
   slow_down_increment_ = 1;
+  advance_to(std::min(1.0, hold_point_ * settings_.substeps));
   evaluate(Branch::Predict);
 }
 
 void PredictorCorrector::correct() noexcept {
-  const double increment = std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
-                                      kSmallestIncrement, 1.0);
+  const double increment =
+      ramp_ > 1 ? std::clamp(slow_down_increment_ + (counter_ - slow_down_end_) / ramp_,
+                             kSmallestIncrement, 1.0)
+                : 1;
   advance_to(std::min(counter_ + increment, static_cast<double>(settings_.substeps)));
   evaluate(Branch::Correct);
 }

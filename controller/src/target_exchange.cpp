@@ -28,9 +28,10 @@ TargetExchange::TargetExchange(std::vector<int> delay_substeps,
 }
 
 bool TargetExchange::begin(double new_target_word) noexcept {
-  const bool rises = new_target_word > 0 && previous_word_ <= 0;
+  const bool is_new = new_target_word > 0 && new_target_word != previous_word_;
   const bool falls = new_target_word <= 0 && previous_word_ > 0;
-  if (rises) {
+  if (is_new) {
+    number_ = new_target_word;
     switch_pc_ = true;
     at_target_ = false;
     sampled_.assign(sampled_.size(), false);
@@ -39,7 +40,7 @@ bool TargetExchange::begin(double new_target_word) noexcept {
   if (new_target_word < 0 && stop_countdown_ < 0) stop_countdown_ = kSubstepsBeforeStop;
   if (stop_countdown_ > 0) --stop_countdown_;
   previous_word_ = new_target_word;
-  return rises;
+  return is_new;
 }
 
 // With a delay the sample falls into the next Predict or AutoSlowDown. The test is ≥, not

@@ -132,6 +132,10 @@ controller::PredictorCorrectorSettings predictor_corrector_settings(const Config
   return settings;
 }
 
+bool is_one_tick(double simulation_step, double tick) {
+  return std::abs(simulation_step - tick) <= 1e-9 * tick;
+}
+
 std::vector<int> sampling_delays(const Config& table, const std::vector<std::string>& axes,
                                  double period) {
   std::vector<int> delays;

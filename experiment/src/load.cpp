@@ -169,6 +169,7 @@ Experiment load_experiment(std::span<const AdapterKind> kinds, const std::filesy
   experiment.config = {{path.filename().string(), read_file(path, kMostTextBytes)}};
   read_parts(file, kinds, improvement, experiment);
   check_targets(file, experiment);
+  check_handshake(file, experiment);
   if (experiment.held_out) require_motion(file, experiment);
   file.reject_unknown_keys();
   check_uses(file, experiment);

@@ -8,6 +8,8 @@
 namespace rths::experiment {
 namespace {
 
+constexpr double kPartOfTick = 1e-6;  // rounding of a step
+
 using Kinds = std::span<const AdapterKind>;
 
 const AdapterKind& kind_named(Kinds kinds, const Config& table) {
@@ -59,6 +61,21 @@ std::vector<NodePlan> read_nodes(Kinds kinds, const Config& table, const Experim
   std::stable_sort(nodes.begin(), nodes.end(),
                    [](const auto& a, const auto& b) { return a.settings.role < b.settings.role; });
   return nodes;
+}
+
+void check_handshake(const Config& file, const Experiment& experiment) {
+  const double step = experiment.time.simulation_step();
+  for (const auto& controller : experiment.nodes) {
+    if (controller.settings.role != Role::Controller) continue;
+    const double tick = to_seconds(controller.schedule.period);
+    for (const auto& solver : experiment.nodes)
+      if (step < (solver.settings.solver.ticks_per_target - kPartOfTick) * tick)
+        file.fail("integration_step_s",
+                  fmt::format("a step takes {:g} s, and node '{}' reads the flags every {:g} s: "
+                              "expected two ticks for a target, or handshake = \"numbered\" of "
+                              "node '{}'",
+                              step, controller.node, tick, solver.node));
+  }
 }
 
 MissedSteps read_late_inputs(const Config& table, const char* otherwise, MissedSteps due) {

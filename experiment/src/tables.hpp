@@ -50,6 +50,8 @@ void read_laboratory(const Config& file, const std::string& improvement, Experim
                                                const Config& table, const Experiment& experiment);
 /// [host.…] and [network], `fidelity`, [cards] and [[fault]]
 void read_ring(const Config& file, Experiment& experiment);
+/// @throws Error if the handshake takes longer than a step
+void check_handshake(const Config& file, const Experiment& experiment);
 /// [uncompensated]
 void read_uncompensated(const Config& table, std::vector<NodePlan>& nodes);
 /// [reference]

@@ -333,7 +333,7 @@ std::vector<double> targets_of(const Reader& run, const Roles& roles) {
   double count = 0, before = 0;
   bool awaits_flag = false;  // the value of a target can be recorded before its flag, or without
   for (std::size_t row = 0; row < flag.size(); ++row) {
-    const bool rises = flag[row] > 0 && !(before > 0);
+    const bool rises = flag[row] > 0 && flag[row] != before;
     const bool changes = row > 0 && value[row] != value[row - 1];
     if (changes || (rises && !awaits_flag)) ++count;
     awaits_flag = (changes || awaits_flag) && !(flag[row] > 0);

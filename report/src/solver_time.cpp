@@ -43,7 +43,7 @@ double flags_in(const Reader& run, const Roles& roles) {
   if (!run.has(roles.new_target)) return 0;
   double flags = 0, before = 0;
   for (const double flag : run.signal(roles.new_target)) {
-    if (flag > 0 && !(before > 0)) ++flags;
+    if (flag > 0 && flag != before) ++flags;
     before = flag;
   }
   return flags;

@@ -98,10 +98,11 @@ void read_block(const Config& block, budget::HybridTest& test) {
 std::vector<Config> read_diagram(const NodePlan& plan, budget::HybridTest& test) {
   const auto choice = experiment::read_diagram_choice(plan.table);
   const Config diagram = Config::load(choice.diagram);
-  const double substeps = static_cast<double>(diagram.integer("substeps", 1));
+  const double step = test.rate * test.integration_step;
   test.period = to_seconds(plan.schedule.period);
-  test.command.substeps =
-      static_cast<int>(std::lround(test.rate * test.integration_step / (test.period / substeps)));
+  const bool is_one_tick = experiment::is_one_tick(step, test.period);
+  const double substeps = is_one_tick ? 1 : static_cast<double>(diagram.integer("substeps", 1));
+  test.command.substeps = static_cast<int>(std::lround(step / (test.period / substeps)));
   auto blocks = experiment::blocks_of(diagram, choice.constants, choice.blocks);
   std::erase_if(blocks, [](const Config& block) {
     return block.flag("single", false);  // of the vertical force

@@ -137,6 +137,42 @@ TEST(Numerical, StartsWithATargetForAnOlderController) {
   EXPECT_EQ(bench.out("opf.newTarget"), 1);
 }
 
+TEST(Numerical, PostsANumberedTargetInEveryTick) {
+  NumericalSettings s = numerical_settings();
+  s.handshake = Handshake::Numbered;
+  const auto solver = make_numerical(s);
+  test::Bench bench{*solver};
+  bench.in("daq.atTarget") = 1;  // at rest
+  double number = 0, time = 0;
+  for (int i = 1; i <= 50; ++i) {
+    ASSERT_EQ(bench.step(time += 0.001), Status::Ok);
+    ASSERT_EQ(bench.out("opf.newTarget"), i % 2 == 1 ? 2 : 1);
+    ASSERT_EQ(bench.out("step"), i - 1);
+    number = bench.out("opf.newTarget");
+    if (i == 20) {  // the target before does not count
+      bench.in("daq.atTarget") = 3 - number;
+      ASSERT_EQ(bench.step(time += 0.001), Status::Ok);
+      ASSERT_EQ(bench.out("opf.newTarget"), number);
+    }
+    bench.in("daq.atTarget") = number;
+  }
+  ASSERT_EQ(bench.step(time += 0.001), Status::Ok);
+  EXPECT_EQ(bench.out("opf.newTarget"), -1);
+}
+
+TEST(Numerical, SaysIfAControllerReturnsNoNumbers) {
+  NumericalSettings s = numerical_settings();
+  s.handshake = Handshake::Numbered;
+  const auto solver = make_numerical(s);
+  test::Bench bench{*solver};
+  bench.in("daq.atTarget") = 1;
+  Status status = Status::Ok;
+  for (double time = 0; status == Status::Ok && time < 3; time += 0.001) status = bench.step(time);
+
+  EXPECT_EQ(status, Status::Fault);
+  EXPECT_STREQ(bench.message(), "atTarget did not show the target's number before the deadline");
+}
+
 TEST(Numerical, WritesATargetOnlyTogetherWithItsFlag) {
   NumericalSettings s = numerical_settings();
   s.computing_time = experiment::ComputingTime{0.003, 0, 0, 0, 1};
@@ -272,7 +308,7 @@ TEST(Numerical, IntegratesTheMeasuredVerticalForce) {
   Partner partner{*solver, {"long", "lat"}};
   partner.bench.in("daq.vert.force.fbk") = 1e6;
   sim::PlantAnalysis analysis{*s.structure->matrices(), s.motion, s.bearing_initial_stiffness,
-                              s.integration_step,     s.alpha,  sim::VerticalFeedback::Measured};
+                              s.integration_step,       s.alpha,  sim::VerticalFeedback::Measured};
 
   for (int target = 1; target <= 2; ++target) {
     while (partner.targets < target) ASSERT_EQ(partner.tick(), Status::Ok);

@@ -338,14 +338,60 @@ TEST(PredictorCorrector, MovesAxesIndependently) {
   EXPECT_NEAR(pc.command()[0], 1, 1e-12);
 }
 
+TEST(PredictorCorrector, IsAtEachTargetAtOnceWithOneSubstep) {
+  PredictorCorrector pc{settings(1, 0.4)};
+  pc.substep(false, target_at(0));
+  for (int i = 1; i <= 50; ++i) {
+    const double target = std::sin(0.1 * i);
+    pc.substep(true, target_at(target));
+    EXPECT_NEAR(pc.command()[0], target, 1e-15);
+    EXPECT_EQ(pc.counter(), 1);
+  }
+  EXPECT_EQ(pc.lost_time(), 0);
+}
+
+TEST(PredictorCorrector, HoldsAndStartsAtOnceWithOneSubstep) {
+  auto one = settings(1, 0.4);
+  one.hold_at = 0.5;
+  one.predictor = one.corrector = Polynomial::D3;
+  PredictorCorrector pc{one};
+  pc.substep(false, target_at(0));
+  for (int i = 1; i <= 10; ++i) pc.substep(true, target_at(0.1 * i));
+
+  for (const double lost : {0.005, 0.015, 0.025}) {  // half a step further, then on hold
+    pc.substep(false, target_at(1));
+    EXPECT_NEAR(pc.command()[0], 1.05, 1e-12);
+    EXPECT_NEAR(pc.lost_time(), lost, 1e-15);
+  }
+  pc.substep(true, target_at(1.1));
+
+  EXPECT_NEAR(pc.command()[0], 1.1, 1e-15);
+  EXPECT_NEAR(pc.lost_time(), 0.03, 1e-15);  // three steps late
+}
+
+TEST(PredictorCorrector, HoldsWithinAFewSubsteps) {
+  for (int substeps = 1; substeps <= 12; ++substeps) {
+    auto few = settings(substeps, 0.4);
+    few.hold_at = 0.5;
+    PredictorCorrector pc{few};
+    for (int i = 0; i < 6 * substeps; ++i) pc.substep(i == 0, target_at(0.1));
+
+    EXPECT_NEAR(pc.counter(), 0.5 * substeps, 0.01) << substeps;
+    pc.substep(true, target_at(0.2));
+    for (int i = 0; i < 20 * substeps && pc.state() == PcState::Correct; ++i)
+      pc.substep(false, target_at(0.2));
+    EXPECT_EQ(pc.state(), PcState::Predict) << substeps;
+  }
+}
+
 TEST(PredictorCorrector, RefusesSettingsThatCannotWork) {
-  auto too_late = settings(10, 0.95);
+  auto no_substeps = settings(0, 0.6);
   auto no_axes = settings(100, 0.6);
   no_axes.axes = 0;
   auto xi_of_one = settings(100, 0.6);
   xi_of_one.largest_xi = 1;
 
-  EXPECT_NE(test::error_of([&] { PredictorCorrector{too_late}; }), "");
+  EXPECT_NE(test::error_of([&] { PredictorCorrector{no_substeps}; }), "");
   EXPECT_NE(test::error_of([&] { PredictorCorrector{no_axes}; }), "");
   EXPECT_NE(test::error_of([&] { PredictorCorrector{xi_of_one}; }), "");
 }

@@ -154,5 +154,20 @@ TEST(TargetExchange, WorksInRealTime) {
   }
 }
 
+TEST(TargetExchange, TellsAdjacentTargetsApartByTheirNumbers) {
+  Controller controller;
+  EXPECT_EQ(controller.exchange.number(), 1);
+  for (const double number : {2.0, 1.0, 2.0, 1.0}) {
+    controller.substep(number);
+
+    EXPECT_TRUE(controller.exchange.switch_pc());
+    EXPECT_FALSE(controller.exchange.at_target());
+    controller.substeps(99, number, 0.3);
+    EXPECT_TRUE(controller.exchange.at_target());
+    EXPECT_EQ(controller.exchange.number(), number);
+    EXPECT_EQ(controller.exchange.held_displacement()[0], 0.3);
+  }
+}
+
 }  // namespace
 }  // namespace rths::controller

@@ -81,7 +81,10 @@ NodeSettings read_echo(const std::string& /*node*/, const Config& table,
   constexpr double kPeriod = 1e-3;  // [s]
   EchoSettings echo;
   echo.stiffness = table.number_in("stiffness_N_per_m", 0, 1e15, echo.stiffness);
-  echo.is_down_when_idle = read_handshake(table) == Handshake::TargetFirst;
+  const Handshake handshake = read_handshake(table);
+  if (handshake == Handshake::Numbered)
+    table.fail("handshake", "handshake is 'numbered', expected at_target_first or target_first");
+  echo.is_down_when_idle = handshake == Handshake::TargetFirst;
   echo.is_prompt = table.flag("prompt", false);
   NodeSettings settings;
   settings.schedule = schedule_of(kPeriod, 0.3 * kPeriod);

@@ -168,7 +168,7 @@ class Numerical final : public Adapter {
     }
     substructure_->work_ahead();  // the machine moves meanwhile
     const Status status =
-        handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
+        handshake_.update(step.inputs[kAtTarget], step.inputs[kSwitchPc], step.time);
     if (handshake_.is_ready()) at_target(step);
     return status;
   }
@@ -266,7 +266,9 @@ NodeSettings read_numerical(const std::string& /*node*/, const Config& table,
   settings.priority = 40;
   settings.solver.integrates_plant = true;
   settings.solver.has_computing_time = settings.solver.waits_for_flags = true;
-  settings.make = [handshake = read_handshake(table), vertical = read_vertical_feedback(table)](
+  const Handshake handshake = read_handshake(table);
+  settings.solver.ticks_per_target = ticks_per_target(handshake);
+  settings.make = [handshake, vertical = read_vertical_feedback(table)](
                       const Experiment& setup, const NodeContext& context) {
     return make_numerical_node(setup, context, handshake, vertical);
   };

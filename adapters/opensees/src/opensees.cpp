@@ -135,7 +135,7 @@ class OpenSees final : public Adapter {
     if (!has_begun_ && step.time < settings_.rest) return rest(step.time);
     const bool was_ready = handshake_.is_ready();
     const Status status =
-        handshake_.update(step.inputs[kAtTarget] > 0, step.inputs[kSwitchPc] > 0, step.time);
+        handshake_.update(step.inputs[kAtTarget], step.inputs[kSwitchPc], step.time);
     if (status == Status::Fault) throw Error{deadline_message()};
     if (!was_ready && handshake_.is_ready()) arrive(step.time);
     if (handshake_.is_ready() && !has_begun_) begin_test(step);
@@ -194,7 +194,7 @@ class OpenSees final : public Adapter {
 
   void begin_test(const StepData& step) {
     // Older controllers give no valid measurement before the first target.
-    if (settings_.handshake == Handshake::AtTargetFirst) words_.set_start(feedbacks(step));
+    if (settings_.handshake != Handshake::TargetFirst) words_.set_start(feedbacks(step));
     words_.write_unused(step.outputs);
     has_begun_ = true;
   }

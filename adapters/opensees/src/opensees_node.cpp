@@ -109,6 +109,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
       schedule_of(opensees.is_prompt ? kPeriod : kPollingPeriod, 0.1 * kPeriod, MissedSteps::Skip);
   settings.priority = kPriority;
   settings.solver.has_computing_time = settings.solver.waits_for_flags = true;
+  settings.solver.ticks_per_target = ticks_per_target(opensees.handshake);
   // The time of OpenSees restarts after static analyses and does not advance during iterations.
   settings.solver.target_count = "step";
   settings.solver.motion_fault = motion_fault(opensees.script.command, node);

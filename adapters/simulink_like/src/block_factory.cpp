@@ -260,9 +260,13 @@ void read_ranges(const Config& table, Block& block) {
 
 Block make_block(const Config& table, const DiagramContext& run, double base_period, int substeps) {
   const std::string name = table.text("name");
-  const std::int64_t rate = table.integer("rate", 1);
+  std::int64_t rate = table.integer("rate", 1);
   if (rate != 1 && rate != substeps)
     table.fail("rate", fmt::format("rate is {}, expected 1 or {}", rate, substeps));
+  // Between targets that come in every tick there is no command to compute.
+  if (type_named(table).make == make_predictor_corrector &&
+      experiment::is_one_tick(run.simulation_step, base_period))
+    rate = 1;
   const BlockContext context{run, base_period / static_cast<double>(rate)};
   Block block = type_named(table).make(table, context);
   block.name = name;

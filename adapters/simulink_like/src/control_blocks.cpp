@@ -60,7 +60,7 @@ void PredictorCorrectorBlock::step(const Wires& w) noexcept {
   copy_out(command_.command_acceleration(), w.out[Out::kAcceleration]);
   copy_out(exchange_.held_displacement(), w.out[Out::kHeldDisplacement]);
   copy_out(exchange_.held_force(), w.out[Out::kHeldForce]);
-  *w.out[Out::kAtTarget] = exchange_.at_target() ? 1 : 0;
+  *w.out[Out::kAtTarget] = exchange_.at_target() ? exchange_.number() : 0;
   *w.out[Out::kSwitchPc] = exchange_.switch_pc() ? 1 : 0;
   *w.out[Out::kState] = static_cast<double>(command_.state());
   *w.out[Out::kCounter] = command_.counter();

@@ -105,12 +105,13 @@ void ClosedLoop::follow_path() {
     ++targets_;
   }
   transfer_.measure(arrived_, sent_);
+  const double number = 1 + static_cast<double>(targets_ % 2);  // targets of adjacent ticks differ
   for (long i = 0; i < path_->substeps; ++i) {
     if (waits) {
       path_->command.wait();
       continue;
     }
-    const bool is_new = path_->exchange.begin(arrives ? 1 : 0);
+    const bool is_new = path_->exchange.begin(arrives ? number : 0);
     path_->command.substep(is_new, setpoint_);
     path_->exchange.end(path_->command, transfer_.displacement(), transfer_.force());
   }

@@ -15,7 +15,7 @@ enum class PcState : int { Initialize = -1, Correct = 0, Predict = 1, AutoSlowDo
 
 struct PredictorCorrectorSettings {
   int axes = 1;                 ///< controlled degrees of freedom, ≥ 1
-  int substeps = 100;           ///< N, controller substeps per integration step, ≥ 10
+  int substeps = 100;           ///< N, controller substeps per integration step, ≥ 1
   double slow_down_from = 0.6;  ///< fraction of the step after which a late target slows the
                                 ///< command down [-]; the charts in use have 0.8 or 0.6
   /// Fraction of the step at which a late target holds the command [-]; 0: in the middle between
@@ -47,6 +47,9 @@ struct Target {
 ///     Correct       Δi = clamp(Δi_SD + (i − i_SD)/((h−p) N), 0.001, 1);   i ← min(i + Δi, N)
 ///     Predict       i ← i + 1
 ///     AutoSlowDown  Δi_SD = (h − i/N)/(h−p);   i ← i + Δi_SD;   i_SD ← i
+///
+/// If the way from p N to h N takes at most one substep, the command holds and starts again at
+/// once. With N = 1 and targets in time, the command is the newest target.
 ///
 /// The transition rules are in docs/theory/predictor_corrector.md. A late target changes when the
 /// command passes a point of its path, never the path itself, and the rates are those along the
@@ -90,7 +93,7 @@ class PredictorCorrector {
 
   PredictorCorrectorSettings settings_;
   double hold_point_;  ///< h: fraction of the step at which a late target holds the command [-]
-  double ramp_;        ///< (h − p) N [substeps]
+  double ramp_;        ///< (h − p) N, at least 1 [substeps]
   PcState state_ = PcState::Initialize;
   bool started_ = false;
   double counter_ = 0;              ///< i

@@ -12,11 +12,12 @@ namespace rths::controller {
 
 /// The controller's side of the handshake with the integrator, as flags on the ring.
 ///
-/// A rise of newTarget above 0 is a new target: for one substep `new_target` is true, switchPC is
-/// raised and atTarget is lowered. When newTarget falls to 0, switchPC is lowered. When the command
-/// has reached the target (or `delay` substeps later, so that the specimen arrives), the feedbacks
-/// are sampled and held, and atTarget is raised. newTarget below 0 stops the test ten substeps
-/// later.
+/// A number above 0 that newTarget had not before is a new target: for one substep `new_target` is
+/// true, switchPC is raised and atTarget is lowered. When newTarget falls to 0, switchPC is
+/// lowered. When the command has reached the target (or `delay` substeps later, so that the
+/// specimen arrives), the feedbacks are sampled and held, and atTarget is raised to the target's
+/// number. So an integrator need not wait for switchPC if its targets have two numbers in turn.
+/// newTarget below 0 stops the test ten substeps later.
 ///
 /// Before the first target, atTarget is raised and the feedbacks are live. Otherwise an integrator
 /// that waits for atTarget before its first step would wait forever.
@@ -37,6 +38,8 @@ class TargetExchange {
 
   [[nodiscard]] bool switch_pc() const { return switch_pc_; }
   [[nodiscard]] bool at_target() const { return at_target_; }
+  /// Of the newest target; 1 before the first.
+  [[nodiscard]] double number() const { return number_; }
   [[nodiscard]] bool stopped() const { return stop_countdown_ == 0; }
   [[nodiscard]] const Eigen::VectorXd& held_displacement() const { return held_displacement_; }
   [[nodiscard]] const Eigen::VectorXd& held_force() const { return held_force_; }
@@ -46,7 +49,7 @@ class TargetExchange {
 
   std::vector<int> delay_substeps_;
   std::vector<bool> sampled_;
-  double previous_word_ = 0;
+  double previous_word_ = 0, number_ = 1;
   int stop_countdown_ = -1;
   bool switch_pc_ = false;
   bool at_target_ = false;

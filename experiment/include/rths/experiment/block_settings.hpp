@@ -41,6 +41,10 @@ struct DiagramChoice {
 [[nodiscard]] std::vector<double> per_axis(const Config& table, const std::string& key,
                                            const std::vector<std::string>& axes, double otherwise);
 
+/// Whether a target comes in each tick. The predictor-corrector then has one substep, a whole tick.
+/// @param simulation_step, tick  wall time of a step, and of a tick of the controller [s]
+[[nodiscard]] bool is_one_tick(double simulation_step, double tick);
+
 /// Of a block `predictor_corrector`, but for axes and steps, which are those of the run.
 /// @throws Error with the place of a wrong value   @setup
 [[nodiscard]] controller::PredictorCorrectorSettings predictor_corrector_settings(

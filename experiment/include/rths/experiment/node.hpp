@@ -68,6 +68,7 @@ struct SolverTraits {
   bool integrates_plant = false;    ///< α-OS of the experiment's plant, which a budget repeats
   bool has_computing_time = false;  ///< modelled by keys of [solver]
   bool waits_for_flags = false;     ///< of the handshake, at most `wait_deadline_s` of [solver]
+  int ticks_per_target = 1;         ///< of a controller that reads the flags once per tick
   bool may_not_end = false;         ///< the user's own: the launcher ends a late run
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
   std::string motion_fault;  ///< why it cannot run under another motion; empty: it can
