@@ -78,6 +78,7 @@ void add_report(CommandLine& line);
 void add_diagnose(CommandLine& line);
 void add_loop(CommandLine& line);
 void add_terms(CommandLine& line);
+void add_plant(CommandLine& line);
 void add_map(CommandLine& line);
 void add_new(CommandLine& line);
 void add_replay(CommandLine& line);

@@ -1,6 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // What a plant refuses, on a box of one element.
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+
 #include <gtest/gtest.h>
 
 #include <rths/core/error.hpp>
@@ -45,6 +52,27 @@ TEST_F(BadPlant, HasAnUnsymmetricStiffness) {
   EXPECT_NE(error.find("row 5 column 2 is"), std::string::npos) << error;
   EXPECT_NE(error.find("but row 2 column 5 is"), std::string::npos) << error;
   EXPECT_NE(error.find("expected a symmetric matrix"), std::string::npos) << error;
+}
+
+// A process of its own, because its limit remains.
+TEST_F(BadPlant, NeedsMoreMemoryThanThereIs) {
+  const auto factorise_with_little = [] {
+    const auto& large = test::large_plant();
+    const SparseMatrix matrix =
+        on_springs(large.structure, stiffness_of(large.bearings), &BearingStiffness::initial);
+    std::ifstream pages{"/proc/self/statm"};
+    rlim_t used = 0;
+    pages >> used;
+    const rlim_t limit = used * static_cast<rlim_t>(sysconf(_SC_PAGESIZE)) + 8'000'000;
+    const rlimit little{limit, limit};
+    setrlimit(RLIMIT_AS, &little);
+    const std::string error = error_of([&] { Factor{matrix}; });
+    std::fputs((error + '\n').c_str(), stderr);
+    std::_Exit(0);
+  };
+  EXPECT_EXIT(factorise_with_little(), testing::ExitedWithCode(0),
+              "the factor of a matrix of 5676 rows needs [0-9]+ MB of memory, but [0-9]+ MB are "
+              "available");
 }
 
 TEST_F(BadPlant, HasADegreeOfFreedomWithoutMass) {

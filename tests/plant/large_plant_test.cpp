@@ -178,5 +178,23 @@ TEST(PlantOnAFixedBase, FollowsAConstantAccelerationOfTheGround) {
   EXPECT_EQ(target[0], 0);
 }
 
+TEST(LargePlant, RefusesAStructureInOtherUnits) {
+  const auto error_with = [](double mass_factor, double stiffness_factor) {
+    PlantDescription plant = described();
+    plant.structure = [=] {
+      Structure structure = row_of_boxes();
+      structure.mass *= mass_factor;
+      structure.stiffness *= stiffness_factor;
+      return structure;
+    };
+    return rths::test::error_of([&] { LargePlant{plant, std::nullopt}; });
+  };
+
+  EXPECT_EQ(error_with(1, 1), "");
+  const std::string in_tonnes = error_with(1e-6, 1), in_other = error_with(1, 1e-3);
+  EXPECT_NE(in_tonnes.find("are its masses in kg?"), std::string::npos) << in_tonnes;
+  EXPECT_NE(in_other.find("is its stiffness in N/m?"), std::string::npos) << in_other;
+}
+
 }  // namespace
 }  // namespace rths::plant

@@ -9,12 +9,16 @@
 
 #include <rths/core/error.hpp>
 
+#include "memory.hpp"
+
 namespace rths::plant {
 namespace {
 
 // Of the diagonal. Rounding leaves up to 1e-13 where nothing holds a part, of either sign; a plant
 // on post-yield bearings keeps 3e-3.
 constexpr double kLeastPivot = 1e-11;
+// Beyond the factor itself, for the updates of its largest blocks.
+constexpr double kWork = 1.3;
 
 // Squares of the diagonal of a supernodal factor, in the factor's order.
 template <class Visit>
@@ -86,6 +90,8 @@ Factor::Factor(const SparseMatrix& matrix) : cholmod_{std::make_unique<Cholmod>(
   cholmod_->factor = cholmod_analyze(&sparse, &cholmod_->common);
   cholmod_->require_memory();
   if (cholmod_->factor == nullptr) throw Error{"the matrix cannot be analysed for its factor"};
+  require_memory(fmt::format("the factor of a matrix of {} rows", cholmod_->rows),
+                 kWork * sizeof(double) * static_cast<double>(entries()));
   cholmod_factorize(&sparse, cholmod_->factor, &cholmod_->common);
   cholmod_->require_memory();
   const auto* order = static_cast<const int*>(cholmod_->factor->Perm);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/plant/large_plant.hpp>
 
+#include <cmath>
 #include <cstdlib>
+#include <numbers>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -42,6 +44,27 @@ BearingSet bearings_of(const PlantDescription& plant) {
 
 void say_that_it_takes_long(const char* what) {
   write_message(fmt::format("computing the modes of the {}\n", what));
+}
+
+// Wrong units of mass or stiffness show in the first frequencies.
+void check_frequencies(const Basis& basis, const BearingSet& bearings) {
+  constexpr double kLeast = 0.02, kMost = 20;  // on yielded bearings [Hz]
+  constexpr double kSoftest = 0.2;             // of a rigid structure's frequency
+  const double first = basis.frequencies[0];
+  if (!(first >= kLeast && first <= kMost))
+    throw Error{fmt::format(
+        "the plant's first frequency is {:.3g} Hz on yielded bearings, expected {:g} to {:g} Hz: "
+        "are its masses in kg?",
+        first, kLeast, kMost)};
+  double stiffness = 0;
+  for (const auto& springs : stiffness_of(bearings)) stiffness += springs.initial[0];
+  const double found = std::sqrt(basis.stiffness[0]) / (2 * std::numbers::pi),
+               rigid = std::sqrt(stiffness / basis.mass[0]) / (2 * std::numbers::pi);
+  if (found < kSoftest * rigid)
+    throw Error{
+        fmt::format("the plant's first frequency is {:.3g} Hz, but {:.3g} Hz if only its bearings "
+                    "were flexible: is its stiffness in N/m?",
+                    found, rigid)};
 }
 
 std::vector<Floor> named(const std::vector<std::string>& names) {
@@ -106,7 +129,9 @@ LargePlant::LargePlant(PlantDescription description, std::optional<std::filesyst
         check(structure);
         return make_basis(structure, bearings_,
                           {description_.frequency_limit, true, description_.tested_bearing});
-      })} {}
+      })} {
+  check_frequencies(basis_, bearings_);
+}
 
 std::string LargePlant::summary() const {
   return fmt::format(

@@ -10,6 +10,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "memory.hpp"
+
 namespace rths::plant {
 namespace {
 
@@ -45,6 +47,10 @@ class Flexibility {
 StructureModes lowest_modes(Factor& factor, const VectorXd& mass, Index count) {
   Flexibility flexibility{factor, mass};
   const Index basis = std::min(mass.size(), 2 * count + 20);
+  // The basis of the search, and the modes as it returns them and as they are kept.
+  require_memory(
+      fmt::format("the search for {} modes of {} degrees of freedom", count, mass.size()),
+      8.0 * static_cast<double>(mass.size() * (basis + 2 * count)));
   Spectra::SymEigsSolver<Flexibility> solver{flexibility, count, basis};
   solver.init();
   const Index found = solver.compute(Spectra::SortRule::LargestAlge, kMostRestarts, kTolerance,
