@@ -181,6 +181,7 @@ TEST(PlantOnAFixedBase, FollowsAConstantAccelerationOfTheGround) {
 TEST(LargePlant, RefusesAStructureInOtherUnits) {
   const auto error_with = [](double mass_factor, double stiffness_factor) {
     PlantDescription plant = described();
+    if (stiffness_factor < 1) plant.frequency_limit = 0.5;  // of few modes, so that there are more
     plant.structure = [=] {
       Structure structure = row_of_boxes();
       structure.mass *= mass_factor;

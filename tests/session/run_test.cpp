@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/session/run.hpp>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -9,9 +11,12 @@
 #include <rths/core/error.hpp>
 
 #include "support/files.hpp"
+#include "support/json.hpp"
 
 namespace rths::session {
 namespace {
+
+using test::json_of;
 
 /// A short test in virtual time.
 class Run : public ::testing::Test {
@@ -56,6 +61,35 @@ TEST_F(Run, GivesTheRecordingAndTheReport) {
   EXPECT_FALSE(result.diagnosis);
   EXPECT_EQ(steps.front(), "1 of 4: the test without compensation");
   EXPECT_EQ(steps.back(), "4 of 4: the report");
+}
+
+// A target in every tick, without prediction in between, against targets of 10 ms. The simulation
+// has the specimen's heating, too.
+TEST_F(Run, HasFloorSpectraCloserToTheReferenceWithATargetInEveryTick) {
+  settings.changes = {
+      {"duration_s", "12"}, {"rest_s", "0.5"}, {"model.specimen.lead_heating.enabled", "true"}};
+  const auto largest_difference = [&] {
+    EXPECT_EQ(run(settings, progress).ending(), "completed");
+    const auto report = json_of(settings.out / "report.json");
+    EXPECT_EQ(report.at("slow_downs").get<int>(), 0);
+    double largest = 0;
+    for (const auto& floor : report.at("floors"))
+      for (const auto& band : floor.at("hybrid_over_numerical"))
+        largest = std::max(largest, std::abs(band.get<double>() - 1));
+    return largest;
+  };
+  const double usual = largest_difference();
+  settings.out = temporary.path() / "every tick";
+  settings.changes.insert(settings.changes.end(), {{"integration_step_s", "0.001"},
+                                                   {"solver.substeps", "1"},
+                                                   {"solver.computing_time_s", "0.0003"},
+                                                   {"node.opf.handshake", "numbered"}});
+  const double found = largest_difference();
+
+  EXPECT_EQ(json_of(settings.out / "report.json").at("integration_steps").get<int>(), 12'000);
+  EXPECT_LT(found, 0.5 * usual);
+  RecordProperty("percent", std::to_string(100 * found));
+  RecordProperty("percent_of_10_ms", std::to_string(100 * usual));
 }
 
 TEST_F(Run, KeepsTheResultsOfAnEarlierOne) {

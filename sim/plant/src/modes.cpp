@@ -74,8 +74,9 @@ StructureModes modes_up_to(Factor& factor, const VectorXd& mass, double frequenc
       return modes;
     }
     if (count == most)
-      throw Error{
-          fmt::format("more than {} modes lie below {:g} Hz: lower the limit", most, frequency)};
+      throw Error{fmt::format(
+          "more than {} modes lie below {:g} Hz: is the stiffness in N/m? Then lower the limit",
+          most, frequency)};
     const double more = std::clamp(std::pow(frequency / modes.frequencies[count - 1], kGrowth),
                                    kLeastMore, kMostMore);
     count = std::min(most, static_cast<Index>(more * static_cast<double>(count)));
