@@ -23,6 +23,7 @@ struct Hidden {
   double force_step = 0;    // resolution of the load cell [N]
   double saturation = 1e9;  // range of the load cell [N]
   double stop = 0;          // stiffness of stops at ±60 mm [N/m]
+  double shaped = 0;        // damping that changes with the displacement as a cosine [N·s/m]
 };
 
 constexpr double kStiffness = 2e5, kDamping = 3e3;  // [N/m], [N·s/m]
@@ -35,6 +36,7 @@ Record record_of(const std::string& name, Use use, unsigned seed, const Hidden& 
     side = direction + (side - direction) * std::exp(-std::abs(way) / 1e-4);
     before = x;
     double force = kStiffness * x + kDamping * v + hidden.friction * side;
+    force += hidden.shaped * v * std::cos(x / 0.03);
     force += hidden.stop * (x - std::clamp(x, -0.06, 0.06));
     force +=
         hidden.ripple * (t < test_support::kQuiet ? 0 : std::sin(2 * std::numbers::pi * 7.3 * t));
@@ -268,6 +270,18 @@ TEST(Diagnosis, DescribesAnUnknownEffect) {
   ASSERT_EQ(verdict.next.motion.channels.size(), 1U);
   const auto& still = verdict.next.motion.channels[0].second;
   EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
+}
+
+// Friction that depends on position resembles this damper, but leaves a large remainder.
+TEST(Diagnosis, NamesNothingThatIsMuchMoreOftenWrongThanRight) {
+  const Verdict verdict = diagnose(case_of({.shaped = 300}));
+
+  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
+  for (const auto& cause : verdict.conclusion.causes) ADD_FAILURE() << cause.name;
+  EXPECT_TRUE(std::any_of(verdict.limits.begin(), verdict.limits.end(), [](const auto& limit) {
+    return limit.find("was selected and is not named: a name like this one is right in") !=
+           std::string::npos;
+  })) << verdict.sentence;
 }
 
 // With one held-out record, halves of the fitted one score each other.

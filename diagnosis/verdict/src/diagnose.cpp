@@ -269,6 +269,19 @@ std::vector<std::string> inseparable_of(const TestProposal& next, std::vector<Ca
   return limits;
 }
 
+// A name that is wrong much more often than right is none.
+void withdraw_improbable(RelationFindings& found, DiagnosisProgress& progress) {
+  constexpr double kLeastConfidence = 0.2;
+  if (!found.is_named()) return;
+  double most = 0;
+  for (const auto& cause : causes_of(found, covariance_of(found)))
+    most = std::max(most, cause.confidence);
+  if (most < kLeastConfidence)
+    withdraw_named(found,
+                   fmt::format("a name like this one is right in {:.0f} % of cases", 100 * most),
+                   progress);
+}
+
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the
 // others.
 AllFindings findings_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
@@ -279,6 +292,7 @@ AllFindings findings_of(Case& c, const SensorNoise& noise, const DiagnosisOption
     if (!relation) continue;
     check_outputs(*relation, moving_records(c));
     all.push_back(examine(std::move(relation), c.records, noise, options.seed, progress));
+    withdraw_improbable(*all.back(), progress);
     if (relation_of == accelerometer_relation)
       correct_accelerometers(all.back()->selection.named, c);
   }
