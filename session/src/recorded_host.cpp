@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
+#include <rths/launch/run.hpp>
 #include <rths/maths/statistics.hpp>
 #include <rths/recording/roles.hpp>
 

@@ -25,7 +25,7 @@ PlantSettings counting() {
 }
 
 EnergyBalance after(LargePlantAnalysis& plant, double duration) {
-  static_cast<void>(response_of(plant, lead_rubber(), kTimeStep, duration));
+  static_cast<void>(test::drive(plant, lead_rubber(), kTimeStep, duration));
   return plant.energy();
 }
 

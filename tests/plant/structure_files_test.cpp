@@ -29,11 +29,11 @@ TEST(StructureFiles, GiveTheResponseOfTheGeneratedPlant) {
     PlantSettings settings;
     settings.time_step = kStep;
     const auto plant = make_full(structure, generated.bearings, test::petrolia(), settings);
-    return response_of(*plant, test::lead_rubber(), kStep, kLength).floors;
+    return test::drive(*plant, test::lead_rubber(), kStep, kLength).floors;
   };
   const MatrixXd expected = floors_of(generated.structure);
   EXPECT_GT(expected.norm(), 0);
-  EXPECT_LE(relative_difference(floors_of(read), expected), 1e-12);
+  EXPECT_LE(test::difference(floors_of(read), expected), 1e-12 * 100);
 }
 
 /// Files of a box of one element, which a test changes.

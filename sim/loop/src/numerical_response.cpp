@@ -80,7 +80,7 @@ ResponseHistory response_of(sim::Substructure& analysis, TransferSystem& specime
 
 ResponseHistory::ResponseHistory(const std::vector<std::string>& names, double step)
     : time_step{step} {
-  for (const auto& name : names) floors.push_back({name, {}, {}});
+  for (const auto& name : names) floors.push_back({name, {}, {}, {}});
 }
 
 void ResponseHistory::append_displacement(const Eigen::Vector2d& displacement) {
@@ -91,14 +91,24 @@ void ResponseHistory::append_displacement(const Eigen::Vector2d& displacement) {
 FloorMonitor::FloorMonitor(const sim::Substructure& substructure, const ResponseHistory& history) {
   const auto monitors = substructure.monitors();
   values_.resize(monitors.size());
-  for (std::size_t i = 0; i < history.floors.size(); ++i)
+  const auto name_at = [](std::size_t floor, Axis axis) {
+    return fmt::format("floor.{}.accel.{}", floor + 1, name_of(axis));
+  };
+  const auto place_of = [&](const std::string& name) {
+    return static_cast<std::size_t>(
+        std::find_if(monitors.begin(), monitors.end(),
+                     [&](const auto& monitor) { return monitor.name == name; }) -
+        monitors.begin());
+  };
+  for (std::size_t i = 0; i < history.floors.size(); ++i) {
     for (const Axis axis : kHorizontal) {
-      const std::string name = fmt::format("floor.{}.accel.{}", i + 1, name_of(axis));
-      const auto at = std::find_if(monitors.begin(), monitors.end(),
-                                   [&](const auto& monitor) { return monitor.name == name; });
-      if (at == monitors.end()) throw Error{"the structure does not monitor " + name};
-      places_.push_back(static_cast<std::size_t>(at - monitors.begin()));
+      places_.push_back(place_of(name_at(i, axis)));
+      if (places_.back() == monitors.size())
+        throw Error{"the structure does not monitor " + name_at(i, axis)};
     }
+    const std::size_t vertical = place_of(name_at(i, Axis::Vert));
+    if (vertical < monitors.size()) verticals_.push_back(vertical);
+  }
 }
 
 void FloorMonitor::append(const sim::Substructure& substructure, ResponseHistory& history) {
@@ -106,6 +116,8 @@ void FloorMonitor::append(const sim::Substructure& substructure, ResponseHistory
   for (std::size_t i = 0; i < history.floors.size(); ++i) {
     history.floors[i].acceleration_long.push_back(values_[places_[2 * i]]);
     history.floors[i].acceleration_lat.push_back(values_[places_[2 * i + 1]]);
+    if (i < verticals_.size())
+      history.floors[i].acceleration_vert.push_back(values_[verticals_[i]]);
   }
 }
 

@@ -17,6 +17,7 @@ struct ResponseHistory {
   struct Floor {
     std::string name;
     std::vector<double> acceleration_long, acceleration_lat;  ///< absolute [m/s²]
+    std::vector<double> acceleration_vert;  ///< empty: the structure does not monitor it
   };
   std::vector<Floor> floors;
 
@@ -35,7 +36,8 @@ class FloorMonitor {
 
  private:
   std::vector<double> values_;
-  std::vector<std::size_t> places_;  ///< of long and lat of each floor, among the values
+  std::vector<std::size_t> places_;     ///< of long and lat of each floor, among the values
+  std::vector<std::size_t> verticals_;  ///< of vert of each floor, or none
 };
 
 /// A force beside that of one bearing, by step: long, lat [N]. None after its end.
