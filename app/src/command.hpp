@@ -75,6 +75,7 @@ void add_node(CommandLine& line);
 void add_check(CommandLine& line);
 void add_export(CommandLine& line);
 void add_report(CommandLine& line);
+void add_compare(CommandLine& line);
 void add_diagnose(CommandLine& line);
 void add_loop(CommandLine& line);
 void add_terms(CommandLine& line);

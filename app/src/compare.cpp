@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <rths/report/comparison.hpp>
+#include <rths/session/folder.hpp>
+
+#include "command.hpp"
+
+namespace rths::app {
+namespace {
+
+struct CompareArguments {
+  std::string baseline, other;     ///< recordings, folders of runs, or tables
+  std::vector<std::string> pairs;  ///< BASELINE=OTHER
+  report::ComparisonSettings settings;
+  std::optional<double> absolute, relative, time_s;
+  std::size_t most = 20;  ///< signals to list
+  bool is_json = false;
+};
+
+void complete(CompareArguments& a) {
+  for (const auto& pair : a.pairs) {
+    const auto equals = pair.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == pair.size())
+      throw CLI::ValidationError{"--pair", "found '" + pair + "', expected BASELINE=OTHER"};
+    a.settings.pairs.emplace_back(pair.substr(0, equals), pair.substr(equals + 1));
+  }
+  if (a.absolute || a.relative || a.time_s)
+    a.settings.tolerance =
+        report::Tolerance{a.absolute.value_or(0), a.relative.value_or(0), a.time_s.value_or(0)};
+}
+
+int compare(const CompareArguments& a) {
+  const auto found = report::compare(session::recording_in(a.baseline),
+                                     session::recording_in(a.other), a.settings);
+  fmt::print("{}", a.is_json ? report::json_of(found) : report::text_of(found, a.most));
+  return found.broken() == 0 ? kOk : kConditionNotMet;
+}
+
+}  // namespace
+
+void add_compare(CommandLine& line) {
+  auto [command, a] =
+      line.add("compare",
+               "Compare two runs, recordings or tables, signal by signal; exit code 1 "
+               "if one is outside its tolerance",
+               compare, complete);
+  command->add_option("baseline", a.baseline, "Recording, folder of a run, or table")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("other", a.other, "The same")->required()->check(CLI::ExistingPath);
+  command->add_option("--signals", a.settings.patterns,
+                      "Signal names; * and ? as in a shell [all that both have]");
+  repeatable(command->add_option("--pair", a.pairs, "Signals of different names: BASELINE=OTHER"));
+  command->add_option("--abs", a.absolute, "Tolerance: difference, in SI units")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--rel", a.relative, "Tolerance: share of the baseline's magnitude")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--time-s", a.time_s, "Tolerance: the baseline this much earlier or later")
+      ->check(CLI::NonNegativeNumber);
+  command->add_option("--align", a.settings.aligned,
+                      "Signal of the baseline whose delay is removed first");
+  command->add_option("--search-s", a.settings.search, "Largest delay that is looked for")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--from", a.settings.from, "First time of the baseline [s]");
+  command->add_option("--to", a.settings.to, "Last time of the baseline [s]");
+  command->add_option("--most", a.most, "Signals to list")->capture_default_str();
+  command->add_flag("--json", a.is_json, "One JSON document instead of lines");
+}
+
+}  // namespace rths::app

@@ -1,0 +1,307 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <rths/report/comparison.hpp>
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <set>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include <rths/core/config.hpp>
+#include <rths/core/error.hpp>
+#include <rths/maths/delay.hpp>
+#include <rths/maths/statistics.hpp>
+
+#include "compared_file.hpp"
+#include "resemblance.hpp"
+
+namespace rths::report {
+namespace {
+
+using Values = std::vector<double>;
+
+// The pairs of names to compare.
+std::vector<std::pair<std::string, std::string>> pairs_of(const ComparedFile& baseline,
+                                                          const ComparedFile& other,
+                                                          const ComparisonSettings& settings) {
+  std::vector<std::pair<std::string, std::string>> pairs = settings.pairs;
+  const auto is_chosen = [&](const std::string& name) {
+    const auto& patterns = settings.patterns;
+    return patterns.empty() ||
+           std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+             return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+           });
+  };
+  if (!pairs.empty() && settings.patterns.empty()) return pairs;
+  bool has_common = false;
+  for (const auto& [name, signal] : baseline.signals) {
+    has_common = has_common || other.signals.contains(name);
+    if (other.signals.contains(name) && is_chosen(name)) pairs.emplace_back(name, name);
+  }
+  if (has_common) return pairs;
+  for (const auto& [role, name] : baseline.roles)
+    if (const auto found = other.roles.find(role);
+        found != other.roles.end() && (is_chosen(name) || is_chosen(role)))
+      pairs.emplace_back(name, found->second);
+  return pairs;
+}
+
+const FileSignal& signal_of(const ComparedFile& file, const std::filesystem::path& path,
+                            const std::string& name) {
+  const auto found = file.signals.find(name);
+  if (found != file.signals.end()) return found->second;
+  std::vector<std::string> names;
+  for (const auto& [known, signal] : file.signals) names.push_back(known);
+  throw Error{
+      fmt::format("{}: there is no signal '{}'{}", path.string(), name, did_you_mean(name, names))};
+}
+
+// Values at other times, linear between samples. @pre the times lie within those of the samples
+Values interpolated(const Values& time, const Values& values, const Values& at) {
+  if (time == at) return values;
+  Values result;
+  result.reserve(at.size());
+  std::size_t i = 0;
+  for (const double t : at) {
+    while (i + 2 < time.size() && time[i + 1] <= t) ++i;
+    const double share = (t - time[i]) / (time[i + 1] - time[i]);
+    // At a sample exactly, also beside a value that is not a number.
+    result.push_back(share == 0   ? values[i]
+                     : share == 1 ? values[i + 1]
+                                  : (1 - share) * values[i] + share * values[i + 1]);
+  }
+  return result;
+}
+
+// Rows in which both values are numbers.
+void keep_numbers(ComparedSignal& signal) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < signal.time.size(); ++i) {
+    if (!std::isfinite(signal.baseline[i]) || !std::isfinite(signal.other[i])) continue;
+    signal.time[kept] = signal.time[i];
+    signal.baseline[kept] = signal.baseline[i];
+    signal.other[kept++] = signal.other[i];
+  }
+  for (Values* values : {&signal.time, &signal.baseline, &signal.other}) values->resize(kept);
+}
+
+void measure(ComparedSignal& signal) {
+  Values difference(signal.time.size());
+  for (std::size_t i = 0; i < difference.size(); ++i)
+    difference[i] = signal.other[i] - signal.baseline[i];
+  signal.peak = maths::largest_magnitude(signal.baseline);
+  signal.other_peak = maths::largest_magnitude(signal.other);
+  signal.rms = maths::rms(difference);
+  const double size = maths::deviation(signal.baseline);
+  signal.relative_rms = signal.rms == 0 ? 0 : size > 0 ? signal.rms / size : INFINITY;
+  const auto at = std::max_element(difference.begin(), difference.end(),
+                                   [](double a, double b) { return std::abs(a) < std::abs(b); });
+  if (at == difference.end()) return;
+  signal.largest = std::abs(*at);
+  signal.largest_at = signal.time[static_cast<std::size_t>(at - difference.begin())];
+}
+
+/// Smallest or largest value in a window that moves on.
+template <class Before>
+class SlidingExtreme {
+ public:
+  void add(std::size_t i, double value) {
+    while (!waiting_.empty() && !Before{}(waiting_.back().second, value)) waiting_.pop_back();
+    waiting_.emplace_back(i, value);
+  }
+  void drop_before(std::size_t first) {
+    while (waiting_.front().first < first) waiting_.pop_front();
+  }
+  [[nodiscard]] double value() const { return waiting_.front().second; }
+
+ private:
+  std::deque<std::pair<std::size_t, double>> waiting_;
+};
+
+void judge(const Tolerance& tolerance, ComparedSignal& signal) {
+  SlidingExtreme<std::less<>> least;
+  SlidingExtreme<std::greater<>> most;
+  const Values& time = signal.time;
+  std::size_t first = 0, next = 0;
+  for (std::size_t i = 0; i < time.size(); ++i) {
+    for (; next < time.size() && time[next] <= time[i] + tolerance.time; ++next) {
+      const double width =
+          std::max(tolerance.absolute, tolerance.relative * std::abs(signal.baseline[next]));
+      least.add(next, signal.baseline[next] - width);
+      most.add(next, signal.baseline[next] + width);
+    }
+    while (time[first] < time[i] - tolerance.time) ++first;
+    least.drop_before(first);
+    most.drop_before(first);
+    if (signal.other[i] >= least.value() && signal.other[i] <= most.value()) continue;
+    if (signal.broken_samples++ == 0) signal.broken_at = time[i];
+  }
+}
+
+std::vector<ComparedSetting> differences_of(const std::map<std::string, std::string>& a,
+                                            const std::map<std::string, std::string>& b) {
+  std::set<std::string> keys;
+  for (const auto& [key, value] : a) keys.insert(key);
+  for (const auto& [key, value] : b) keys.insert(key);
+  const auto value_in = [](const auto& settings, const std::string& key) {
+    const auto found = settings.find(key);
+    return found == settings.end() ? std::string{} : found->second;
+  };
+  std::vector<ComparedSetting> differences;
+  for (const auto& key : keys)
+    if (value_in(a, key) != value_in(b, key))
+      differences.push_back({key, value_in(a, key), value_in(b, key)});
+  return differences;
+}
+
+// Signals outside their tolerance, then words of the ring, then monitors; the most different first.
+bool is_before(const ComparedSignal& a, const ComparedSignal& b) {
+  const auto rank = [](const ComparedSignal& signal) {
+    return std::tuple{!signal.broken_at, signal.is_equal, signal.name.starts_with("monitor."),
+                      -signal.relative_rms};
+  };
+  return rank(a) < rank(b);
+}
+
+/// Two files on the times of the baseline that both have.
+class Comparing {
+ public:
+  Comparing(const std::filesystem::path& baseline_path, const std::filesystem::path& other_path,
+            const ComparisonSettings& settings)
+      : settings_{settings},
+        baseline_{read_compared(baseline_path)},
+        other_{read_compared(other_path)} {
+    result_.baseline = baseline_path;
+    result_.other = other_path;
+    result_.is_judged = settings.tolerance.has_value();
+  }
+
+  Comparison run() && {
+    const auto pairs = pairs_of(baseline_, other_, settings_);
+    if (pairs.empty()) throw_without_pairs();
+    if (!settings_.aligned.empty()) align(pairs);
+    set_times();
+    for (const auto& [name, other_name] : pairs) compare(name, other_name);
+    std::stable_sort(result_.signals.begin(), result_.signals.end(), is_before);
+    // Files of tables have no settings.
+    if (!baseline_.settings.empty() && !other_.settings.empty())
+      result_.settings = differences_of(baseline_.settings, other_.settings);
+    note_others(pairs);
+    return std::move(result_);
+  }
+
+ private:
+  [[noreturn]] void throw_without_pairs() const {
+    throw Error{fmt::format(
+        "{} and {} have no common signal{}", result_.baseline.string(), result_.other.string(),
+        settings_.patterns.empty() ? ", expected equal names, equal roles, or --pair"
+                                   : " of these patterns")};
+  }
+
+  void set_times() {
+    const double from = std::max({settings_.from, baseline_.time.front(), other_.time.front()}),
+                 to = std::min({settings_.to, baseline_.time.back(), other_.time.back()});
+    const auto first = std::lower_bound(baseline_.time.begin(), baseline_.time.end(), from),
+               last = std::upper_bound(first, baseline_.time.end(), to);
+    if (last - first < 2)
+      throw Error{
+          fmt::format("{} from {:g} to {:g} s and {} from {:g} to {:g} s: found no common "
+                      "time, expected two samples at least",
+                      result_.baseline.string(), baseline_.time.front(), baseline_.time.back(),
+                      result_.other.string(), other_.time.front(), other_.time.back())};
+    time_ = {first, last};
+    first_row_ = static_cast<std::size_t>(first - baseline_.time.begin());
+  }
+
+  [[nodiscard]] ComparedSignal paired(const std::string& name,
+                                      const std::string& other_name) const {
+    const FileSignal &mine = signal_of(baseline_, result_.baseline, name),
+                     &theirs = signal_of(other_, result_.other, other_name);
+    if (!mine.unit.empty() && !theirs.unit.empty() && mine.unit != theirs.unit)
+      throw Error{fmt::format("'{}' is in {} in {}, but '{}' in {} in {}", name, mine.unit,
+                              result_.baseline.string(), other_name, theirs.unit,
+                              result_.other.string())};
+    ComparedSignal signal;
+    signal.name = name;
+    signal.other_name = other_name;
+    signal.unit = mine.unit.empty() ? theirs.unit : mine.unit;
+    signal.time = time_;
+    const auto begin = mine.values.begin() + static_cast<std::ptrdiff_t>(first_row_);
+    signal.baseline = {begin, begin + std::ssize(time_)};
+    signal.other = interpolated(other_.time, theirs.values, time_);
+    keep_numbers(signal);
+    return signal;
+  }
+
+  void compare(const std::string& name, const std::string& other_name) {
+    ComparedSignal signal = paired(name, other_name);
+    signal.is_equal = signal.baseline == signal.other;
+    measure(signal);
+    if (!signal.is_equal) explain(settings_.search, signal);
+    if (settings_.tolerance) judge(*settings_.tolerance, signal);
+    result_.signals.push_back(std::move(signal));
+  }
+
+  // Moves the times of the other so that one of its signals has no delay.
+  void align(const std::vector<std::pair<std::string, std::string>>& pairs) {
+    const auto found = std::find_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+      return pair.first == settings_.aligned;
+    });
+    if (found == pairs.end())
+      throw Error{fmt::format("there is no common signal '{}' to align by", settings_.aligned)};
+    set_times();
+    ComparedSignal signal = paired(found->first, found->second);
+    measure(signal);
+    explain(settings_.search, signal);
+    if (!signal.delay)
+      throw Error{
+          fmt::format("'{}' has no delay to align by: it does not move, or it has no "
+                      "relation to the baseline",
+                      settings_.aligned)};
+    result_.shift = *signal.delay;
+    for (double& t : other_.time) t -= result_.shift;
+  }
+
+  void note_others(const std::vector<std::pair<std::string, std::string>>& pairs) {
+    std::set<std::string> mine, theirs;
+    for (const auto& [name, other] : pairs) {
+      mine.insert(name);
+      theirs.insert(other);
+    }
+    if (!settings_.patterns.empty() || !settings_.pairs.empty()) return;
+    for (const auto& [name, signal] : baseline_.signals)
+      if (!mine.contains(name)) result_.only_baseline.push_back(name);
+    for (const auto& [name, signal] : other_.signals)
+      if (!theirs.contains(name)) result_.only_other.push_back(name);
+  }
+
+  const ComparisonSettings& settings_;
+  ComparedFile baseline_, other_;
+  Values time_;
+  std::size_t first_row_ = 0;
+  Comparison result_;
+};
+
+}  // namespace
+
+std::size_t Comparison::equal() const {
+  return static_cast<std::size_t>(std::count_if(
+      signals.begin(), signals.end(), [](const auto& signal) { return signal.is_equal; }));
+}
+
+std::size_t Comparison::broken() const {
+  return static_cast<std::size_t>(
+      std::count_if(signals.begin(), signals.end(),
+                    [](const auto& signal) { return signal.broken_at.has_value(); }));
+}
+
+Comparison compare(const std::filesystem::path& baseline, const std::filesystem::path& other,
+                   const ComparisonSettings& settings) {
+  return Comparing{baseline, other, settings}.run();
+}
+
+}  // namespace rths::report
