@@ -57,13 +57,20 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
   _exit(0);
 }
 
-// Skips the line "…Terminating" that OpenSees prints at each exit.
+// Lines that say less than those before them: "…Terminating", which OpenSees prints at each exit,
+// and what MPICH's launcher adds when a rank fails.
+bool is_epilogue(const std::string& line) {
+  return line.ends_with("Terminating") || line.starts_with('=') ||
+         line.starts_with("YOUR APPLICATION TERMINATED") ||
+         line.starts_with("This typically refers to a problem with your application") ||
+         line.starts_with("Please see the FAQ page for debugging");
+}
+
 std::string last_line_of(const std::filesystem::path& file) {
   std::ifstream in{file};
   std::string line, last;
   while (std::getline(in, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos && !line.ends_with("Terminating"))
-      last = line;
+    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_epilogue(line)) last = line;
   return last;
 }
 

@@ -12,6 +12,8 @@
 #include <rths/experiment/user_program.hpp>
 #include <rths/foreign/opensees.hpp>
 
+#include "opensees_ranks.hpp"
+
 namespace rths::adapters {
 
 using namespace experiment;
@@ -21,6 +23,7 @@ namespace {
 constexpr double kPeriod = 1e-3;            // [s]
 constexpr double kPollingPeriod = 0.25e-3;  // of its flags [s]
 constexpr int kPriority = 40;
+constexpr int kMostProcesses = 1024;
 
 OpenSeesScript read_script(const Config& table) {
   OpenSeesScript opensees;
@@ -34,7 +37,7 @@ OpenSeesScript read_script(const Config& table) {
       table, "arguments", arguments,
       {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kResultsPlaceholder});
   if (!table.has("script")) {
-    for (const char* key : {"arguments", "python"})
+    for (const char* key : {"arguments", "processes", "python"})
       if (table.has(key))
         table.fail(key, fmt::format("found {} without a script, expected script", key));
     return opensees;
@@ -73,12 +76,13 @@ bool can_repeat(const OpenSeesSettings& opensees, const Experiment& setup) {
 }
 
 std::function<void()> program_check(const OpenSeesScript& script, const std::string& node) {
-  return [command = script.command, node] {
+  return [command = script.command, processes = script.processes, node] {
     if (!command.empty() && !is_program(command[0]))
       throw Error{
           fmt::format("node '{}': there is no program '{}' to run its script, expected one "
                       "as its key python or as RTHS_OPENSEES_PYTHON",
                       node, command[0])};
+    if (processes > 1) require_rank_launcher(processes);
   };
 }
 
@@ -102,6 +106,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   read_opensees(table, sim::initial_stiffness(setup.model.bearing), opensees);
   opensees.is_prompt = table.flag("prompt", false);
   opensees.script = read_script(table);
+  opensees.script.processes = static_cast<int>(table.integer_in("processes", 1, kMostProcesses, 1));
   NodeSettings settings;
   settings.role = Role::Solver;
   // A prompt adapter steps on arrival of new data, so it needs fewer scheduled steps.

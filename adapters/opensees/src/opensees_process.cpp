@@ -20,6 +20,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "opensees_ranks.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -97,6 +99,7 @@ void close_ended(KeptSockets& kept) noexcept {
 }
 
 constexpr auto kExitTime = std::chrono::milliseconds{100};  // of a process after its socket closed
+constexpr auto kRanksExitTime = std::chrono::seconds{1};    // of the launcher that ends the others
 constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last message
 constexpr auto kToFinish = std::chrono::seconds{1};
 
@@ -111,13 +114,14 @@ ProgramStart start_of(const OpenSeesScript& script) {
   start.name = file.filename().string();
   start.command[1] = file.string();
   start.folder = file.parent_path();
+  if (script.processes > 1) start_on_ranks(script.processes, start);
   return start;
 }
 
 }  // namespace
 
 OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
-    : log_{script.log.string()}, restarted_{WallClock{}.now()} {
+    : log_{script.log.string()}, has_ranks_{script.processes > 1}, restarted_{WallClock{}.now()} {
   for (const auto& [file, content] : script.files)
     if (!(std::ofstream{file} << content).flush())
       throw Error{fmt::format("{}: cannot be written", file.string())};
@@ -125,6 +129,13 @@ OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
     keeper_.emplace();
   else
     script_.emplace(start_of(script));
+}
+
+// Ranks are in sessions of their own. The launcher ends them, and waits for their end.
+OpenSeesProcess::~OpenSeesProcess() {
+  if (!has_ranks_ || !script_ || script_->has_ended()) return;
+  script_->ask_to_end();
+  script_->wait(kRanksExitTime);
 }
 
 void OpenSeesProcess::keep(int socket) const {
@@ -152,7 +163,7 @@ Duration OpenSeesProcess::time_left(double longest, const char* problem) {
 }
 
 std::string OpenSeesProcess::with_exit_reason(std::string message) {
-  if (script_ && script_->wait(kExitTime))
+  if (script_ && script_->wait(has_ranks_ ? Duration{kRanksExitTime} : Duration{kExitTime}))
     if (const auto failure = script_->failure(); failure && *failure != message)
       message += "; " + *failure;
   return message;

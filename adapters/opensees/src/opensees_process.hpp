@@ -40,6 +40,10 @@ class OpenSeesProcess {
  public:
   /// Starts OpenSees if the script has a command. @throws Error on failure
   explicit OpenSeesProcess(const OpenSeesScript& script);
+  /// Ends OpenSees, all of its ranks.
+  ~OpenSeesProcess();
+  OpenSeesProcess(const OpenSeesProcess&) = delete;
+  OpenSeesProcess& operator=(const OpenSeesProcess&) = delete;
 
   /// Id of the started process; 0: a user starts it.
   [[nodiscard]] int process() const { return script_ ? script_->process() : 0; }
@@ -68,6 +72,7 @@ class OpenSeesProcess {
   std::optional<ChildProgram> script_;
   std::optional<SocketKeeper> keeper_;
   std::string log_;
+  bool has_ranks_;
   TimePoint restarted_;             ///< wall time
   std::optional<TimePoint> ended_;  ///< exit detected, wall time
 };

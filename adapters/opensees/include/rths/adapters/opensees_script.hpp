@@ -12,6 +12,7 @@ namespace rths::adapters {
 struct OpenSeesScript {
   /// Program, script and arguments. Empty: the user starts OpenSees.
   std::vector<std::string> command;
+  int processes = 1;          ///< ranks of MPI that run it together
   std::filesystem::path log;  ///< its output
   /// Files to write before the start: path, content.
   std::vector<std::pair<std::filesystem::path, std::string>> files;
