@@ -112,4 +112,5 @@ def main():
         steps(folder, count, float(sys.argv[4]))
 
 
-main()
+if __name__ == "__main__":
+    main()
