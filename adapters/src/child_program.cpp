@@ -28,7 +28,7 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
 
 // Runs in the child: only async-signal-safe calls.
 [[noreturn]] void become(char* const* argv, char* const* environment, const char* folder, int log,
-                         pid_t parent, bool is_favoured) {
+                         int kept_open, pid_t parent, bool is_favoured) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kNotFound);  // the parent has exited
   setpgid(0, 0);                              // the parent forwards a terminal's signals
@@ -37,6 +37,7 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
   if (chdir(folder) != 0) _exit(kNotFound);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
+  if (kept_open >= 0) fcntl(kept_open, F_SETFD, 0);
   const int null = open("/dev/null", O_RDONLY);
   dup2(null, STDIN_FILENO);
   execvpe(argv[0], argv, environment);
@@ -113,7 +114,8 @@ ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0)
-    become(argv.data(), environment.data(), folder.c_str(), file, parent, start.is_favoured);
+    become(argv.data(), environment.data(), folder.c_str(), file, start.kept_open, parent,
+           start.is_favoured);
   const int error = errno;
   close(file);
   if (pid_ > 0) start_guard();

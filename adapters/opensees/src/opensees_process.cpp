@@ -20,7 +20,7 @@
 
 #include <rths/core/error.hpp>
 
-#include "opensees_ranks.hpp"
+#include "script_runner.hpp"
 
 namespace rths::adapters {
 namespace {
@@ -104,7 +104,7 @@ constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last messa
 constexpr auto kToFinish = std::chrono::seconds{1};
 
 // The script runs in its own folder.
-ProgramStart start_of(const OpenSeesScript& script) {
+ProgramStart start_of(const OpenSeesScript& script, int floor_pipe) {
   ProgramStart start;
   start.command = script.command;
   start.log = script.log;
@@ -114,7 +114,7 @@ ProgramStart start_of(const OpenSeesScript& script) {
   start.name = file.filename().string();
   start.command[1] = file.string();
   start.folder = file.parent_path();
-  if (script.processes > 1) start_on_ranks(script.processes, start);
+  run_inside(script, floor_pipe, start);
   return start;
 }
 
@@ -125,10 +125,12 @@ OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
   for (const auto& [file, content] : script.files)
     if (!(std::ofstream{file} << content).flush())
       throw Error{fmt::format("{}: cannot be written", file.string())};
+  if (!script.floors.empty()) floors_.emplace(script.floors.size());
   if (script.command.empty())
     keeper_.emplace();
   else
-    script_.emplace(start_of(script));
+    script_.emplace(start_of(script, floors_ ? floors_->writing_end() : -1));
+  if (floors_) floors_->close_writing_end();
 }
 
 // Ranks are in sessions of their own. The launcher ends them, and waits for their end.

@@ -8,6 +8,8 @@
 #include <rths/adapters/opensees_script.hpp>
 #include <rths/core/clock.hpp>
 
+#include "floor_feed.hpp"
+
 namespace rths::adapters {
 
 /// A separate process that keeps copies of the clients' TCP sockets open if this process is killed.
@@ -47,6 +49,8 @@ class OpenSeesProcess {
 
   /// Id of the started process; 0: a user starts it.
   [[nodiscard]] int process() const { return script_ ? script_->process() : 0; }
+  /// What its floors have sent; null: it has none.
+  [[nodiscard]] FloorFeed* floors() { return floors_ ? &*floors_ : nullptr; }
   /// Keeps a TCP connection with a user's own OpenSees open.
   void keep(int socket) const;
   /// Returns the time left of a deadline of `longest` [s] since its last restart.
@@ -69,6 +73,7 @@ class OpenSeesProcess {
   std::optional<std::string> finish();
 
  private:
+  std::optional<FloorFeed> floors_;
   std::optional<ChildProgram> script_;
   std::optional<SocketKeeper> keeper_;
   std::string log_;

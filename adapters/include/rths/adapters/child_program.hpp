@@ -19,6 +19,7 @@ struct ProgramStart {
   std::filesystem::path log;           ///< its output
   /// Variables in addition to those of this process.
   std::vector<std::pair<std::string, std::string>> environment;
+  int kept_open = -1;       ///< a descriptor of this process that it inherits; −1: none
   bool is_favoured = true;  ///< by the scheduler, if permitted: every step waits for it
 };
 
