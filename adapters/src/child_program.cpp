@@ -58,20 +58,14 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
   _exit(0);
 }
 
-// Lines that say less than those before them: "…Terminating", which OpenSees prints at each exit,
-// and what MPICH's launcher adds when a rank fails.
-bool is_epilogue(const std::string& line) {
-  return line.ends_with("Terminating") || line.starts_with('=') ||
-         line.starts_with("YOUR APPLICATION TERMINATED") ||
-         line.starts_with("This typically refers to a problem with your application") ||
-         line.starts_with("Please see the FAQ page for debugging");
-}
-
-std::string last_line_of(const std::filesystem::path& file) {
+// Skips the line "…Terminating" that OpenSees prints at each exit.
+std::string last_line_of(const std::filesystem::path& file, const std::string& telling) {
   std::ifstream in{file};
   std::string line, last;
   while (std::getline(in, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos && !is_epilogue(line)) last = line;
+    if (line.find_first_not_of(" \t\r") != std::string::npos && !line.ends_with("Terminating") &&
+        line.starts_with(telling))
+      last = line;
   return last;
 }
 
@@ -100,7 +94,8 @@ std::vector<std::string> environment_of(const ProgramStart& start) {
 
 }  // namespace
 
-ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{start.log} {
+ChildProgram::ChildProgram(const ProgramStart& start)
+    : name_{start.name}, log_{start.log}, telling_{start.telling} {
   const int file = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) throw Error{fmt::format("{}: {}", log_.string(), std::strerror(errno))};
   std::vector<std::string> words = start.command;
@@ -175,7 +170,7 @@ std::optional<std::string> ChildProgram::failure() const {
       WIFSIGNALED(status_) ? fmt::format("was killed by signal {}", WTERMSIG(status_))
       : WEXITSTATUS(status_) == kNotFound ? std::string{"could not be started"}
                                           : fmt::format("ended with {}", WEXITSTATUS(status_));
-  const std::string line = last_line_of(log_);
+  const std::string line = last_line_of(log_, telling_);
   return fmt::format("{} {}{} ({})", name_, how, line.empty() ? "" : ": " + line, log_.string());
 }
 

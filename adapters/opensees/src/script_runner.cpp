@@ -34,7 +34,8 @@ def flush_files():
 
 def leave(text, code=1):
     flush_files()
-    print(f"rank {rank}{text}" if count > 1 else text.lstrip(": "), file=sys.stderr, flush=True)
+    line = f"\nrank {rank}{text}\n" if count > 1 else text.lstrip(": ") + "\n"
+    os.write(2, line.encode())  # at once: ranks share the file
     os._exit(code)
 
 
@@ -209,6 +210,7 @@ void run_inside(const OpenSeesScript& script, int floor_pipe, ProgramStart& star
   if (script.processes == 1) return;
   require_rank_launcher(script.processes);
   start.command.insert(start.command.begin(), {kLauncher, "-n", count});
+  start.telling = "rank ";  // a launcher adds lines of its own
   // The ranks are processes of this host, whose messages need not leave it.
   start.environment.insert(start.environment.end(),
                            {{"HYDRA_LAUNCHER", "fork"}, {"HYDRA_IFACE", "lo"}});
