@@ -28,7 +28,7 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
 
 // Runs in the child: only async-signal-safe calls.
 [[noreturn]] void become(char* const* argv, char* const* environment, const char* folder, int log,
-                         pid_t parent, bool is_favoured) {
+                         int kept_open, pid_t parent, bool is_favoured) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(kNotFound);  // the parent has exited
   setpgid(0, 0);                              // the parent forwards a terminal's signals
@@ -37,6 +37,7 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
   if (chdir(folder) != 0) _exit(kNotFound);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
+  if (kept_open >= 0) fcntl(kept_open, F_SETFD, 0);
   const int null = open("/dev/null", O_RDONLY);
   dup2(null, STDIN_FILENO);
   execvpe(argv[0], argv, environment);
@@ -58,11 +59,12 @@ constexpr int kHighestPriority = -20;  // of the scheduler's normal class
 }
 
 // Skips the line "…Terminating" that OpenSees prints at each exit.
-std::string last_line_of(const std::filesystem::path& file) {
+std::string last_line_of(const std::filesystem::path& file, const std::string& telling) {
   std::ifstream in{file};
   std::string line, last;
   while (std::getline(in, line))
-    if (line.find_first_not_of(" \t\r") != std::string::npos && !line.ends_with("Terminating"))
+    if (line.find_first_not_of(" \t\r") != std::string::npos && !line.ends_with("Terminating") &&
+        line.starts_with(telling))
       last = line;
   return last;
 }
@@ -92,7 +94,8 @@ std::vector<std::string> environment_of(const ProgramStart& start) {
 
 }  // namespace
 
-ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{start.log} {
+ChildProgram::ChildProgram(const ProgramStart& start)
+    : name_{start.name}, log_{start.log}, telling_{start.telling} {
   const int file = open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0) throw Error{fmt::format("{}: {}", log_.string(), std::strerror(errno))};
   std::vector<std::string> words = start.command;
@@ -106,7 +109,8 @@ ChildProgram::ChildProgram(const ProgramStart& start) : name_{start.name}, log_{
   const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0)
-    become(argv.data(), environment.data(), folder.c_str(), file, parent, start.is_favoured);
+    become(argv.data(), environment.data(), folder.c_str(), file, start.kept_open, parent,
+           start.is_favoured);
   const int error = errno;
   close(file);
   if (pid_ > 0) start_guard();
@@ -166,7 +170,7 @@ std::optional<std::string> ChildProgram::failure() const {
       WIFSIGNALED(status_) ? fmt::format("was killed by signal {}", WTERMSIG(status_))
       : WEXITSTATUS(status_) == kNotFound ? std::string{"could not be started"}
                                           : fmt::format("ended with {}", WEXITSTATUS(status_));
-  const std::string line = last_line_of(log_);
+  const std::string line = last_line_of(log_, telling_);
   return fmt::format("{} {}{} ({})", name_, how, line.empty() ? "" : ": " + line, log_.string());
 }
 

@@ -52,13 +52,14 @@ SpectraAnalysis analyse_spectra(const Reader& run, const std::string& solver, do
     spectra.floor = index < names.size() ? names[index] : fmt::format("floor {}", floor);
     spectra.spectra.push_back({"hybrid", spectrum(hybrid("long"), hybrid("lat"), step)});
     const auto isolated = fmt::format("isolated.floor.{}.accel.", floor);
-    // A response of the user's own, or one of other solvers, has no floors.
+    // A response of the user's own has no floors.
     if (numerical != nullptr && numerical->has("result." + isolated + "long")) {
-      const auto fixed = fmt::format("fixed.floor.{}.accel.", floor);
       spectra.spectra.push_back({"numerical", reference(*numerical, isolated)});
       if (improved != nullptr && improved->has("result." + isolated + "long"))
         spectra.spectra.push_back({"improved", reference(*improved, isolated)});
-      spectra.spectra.push_back({"fixed base", reference(*numerical, fixed)});
+      const auto fixed = fmt::format("fixed.floor.{}.accel.", floor);
+      if (numerical->has("result." + fixed + "long"))  // not of other solvers
+        spectra.spectra.push_back({"fixed base", reference(*numerical, fixed)});
       spectra.spectra.push_back({"input", reference(*numerical, "ground.accel.")});
     }
     result.floors.push_back(std::move(spectra));

@@ -125,14 +125,34 @@ class ResultMap {
   std::vector<const std::vector<double>*> columns_;
 };
 
-void add_floors(ResultMap& result, const std::string& prefix,
-                const loop::ResponseHistory& history) {
-  for (std::size_t i = 0; i < history.floors.size(); ++i) {
-    const auto& floor = history.floors[i];
+using Floors = std::vector<loop::ResponseHistory::Floor>;
+
+void add_floors(ResultMap& result, const std::string& prefix, const Floors& floors) {
+  for (std::size_t i = 0; i < floors.size(); ++i) {
+    const auto& floor = floors[i];
     const std::string name = fmt::format("{}floor.{}.accel.", prefix, i + 1);
     result.add(name + name_of(kHorizontal[0]), "m/s2", floor.acceleration_long);
     result.add(name + name_of(kHorizontal[1]), "m/s2", floor.acceleration_lat);
   }
+}
+
+std::string names_of(const Floors& floors) {
+  std::string names;
+  for (const auto& floor : floors) names += floor.name + "\n";
+  return names;
+}
+
+/// Acceleration of the ground, long and lat, at equal intervals [m/s²]; the first row is one
+/// interval after the start.
+std::array<std::vector<double>, 2> ground_of(const sim::GroundMotion& motion, double interval,
+                                             std::size_t count) {
+  std::array<std::vector<double>, 2> ground;
+  for (std::size_t i = 1; i <= count; ++i) {
+    const Eigen::Vector2d acceleration = motion.at(static_cast<double>(i) * interval);
+    ground[0].push_back(acceleration[0]);
+    ground[1].push_back(acceleration[1]);
+  }
+  return ground;
 }
 
 void run_companion(const Experiment& experiment, const std::filesystem::path& recording,
@@ -153,25 +173,17 @@ void write_analysis(const Experiment& experiment, const std::filesystem::path& r
                                                  kReferenceStep, experiment.time.duration);
   const auto fixed =
       loop::fixed_base_response(structure, motion, kReferenceStep, experiment.time.duration);
-  std::vector<double> ground_long;
-  std::vector<double> ground_lat;
-  for (std::size_t i = 1; i <= isolated.displacement_long.size(); ++i) {
-    const Eigen::Vector2d ground = motion.at(static_cast<double>(i) * kReferenceStep);
-    ground_long.push_back(ground[0]);
-    ground_lat.push_back(ground[1]);
-  }
+  const auto ground = ground_of(motion, kReferenceStep, isolated.displacement_long.size());
   ResultMap result;
   result.add("displ.long", "m", isolated.displacement_long);
   result.add("displ.lat", "m", isolated.displacement_lat);
   result.add("force.long", "N", isolated.force_long);
   result.add("force.lat", "N", isolated.force_lat);
-  result.add("ground.accel.long", "m/s2", ground_long);
-  result.add("ground.accel.lat", "m/s2", ground_lat);
-  add_floors(result, "isolated.", isolated);
-  add_floors(result, "fixed.", fixed);
-  std::string names;
-  for (const auto& floor : isolated.floors) names += floor.name + "\n";
-  result.write(recording, kReferenceStep, {{{"floors", names}}, {}, {}});
+  result.add("ground.accel.long", "m/s2", ground[0]);
+  result.add("ground.accel.lat", "m/s2", ground[1]);
+  add_floors(result, "isolated.", isolated.floors);
+  add_floors(result, "fixed.", fixed.floors);
+  result.write(recording, kReferenceStep, {{{"floors", names_of(isolated.floors)}}, {}, {}});
 }
 
 /// Displacement and force of the bearing at equal intervals, long and lat; the first row is one
@@ -179,20 +191,25 @@ void write_analysis(const Experiment& experiment, const std::filesystem::path& r
 struct BearingResponse {
   double interval = 0;  ///< [s]
   std::array<std::vector<double>, 2> displacement, force;
+  Floors floors = {};
+  std::array<std::vector<double>, 2> ground = {};  ///< acceleration, beside floors [m/s²]
   void write(const std::filesystem::path& recording) const {
     ResultMap result;
     for (std::size_t axis = 0; axis < 2; ++axis) {
-      result.add(std::string{"displ."} + name_of(kHorizontal[axis]), "m", displacement[axis]);
-      result.add(std::string{"force."} + name_of(kHorizontal[axis]), "N", force[axis]);
+      const std::string name = name_of(kHorizontal[axis]);
+      result.add("displ." + name, "m", displacement[axis]);
+      result.add("force." + name, "N", force[axis]);
+      if (!floors.empty()) result.add("ground.accel." + name, "m/s2", ground[axis]);
     }
-    result.write(recording, interval, {{{"floors", ""}}, {}, {}});
+    add_floors(result, "isolated.", floors);
+    result.write(recording, interval, {{{"floors", names_of(floors)}}, {}, {}});
   }
 };
 
 // The force is that of the model under the stated motion.
 void write_reference(const Experiment& experiment, const std::filesystem::path& recording) {
   const auto& stated = *experiment.reference;
-  BearingResponse response{stated.time_step, {}, {}};
+  BearingResponse response{stated.time_step, {}, {}, {}, {}};
   sim::BearingRun bearing{experiment.model.bearing, stated.time_step};
   const std::array<const std::vector<double>*, 2> motion{&stated.displacement_long,
                                                          &stated.displacement_lat};
@@ -268,12 +285,20 @@ std::vector<double> by_step(const std::vector<double>& times, const std::vector<
 }
 
 BearingResponse response_in(const Experiment& experiment, const recording::Reader& run,
-                            const std::string& solver) {
-  const auto moves = run.signal("monitor." + solver + ".step");
+                            const NodePlan& solver) {
+  const auto moves = run.signal("monitor." + solver.node + ".step");
   const double step = experiment.time.integration_step;
   const auto count = static_cast<std::size_t>(std::llround(experiment.time.duration / step));
   const auto times = recording::at_each_count(moves, run.signal(experiment.roles.time));
-  BearingResponse response{step, {}, {}};
+  BearingResponse response{step, {}, {}, {}, {}};
+  // What belongs to a target is there when the next one comes.
+  const auto answers = [&](const std::string& signal) {
+    const auto recorded = run.signal(signal);
+    auto values = recording::at_each_count(moves, recorded);
+    if (!values.empty()) values.erase(values.begin());
+    values.push_back(recorded.back());
+    return by_step(times, values, step, count);
+  };
   for (std::size_t axis = 0; axis < 2; ++axis) {
     response.displacement[axis].assign(count, 0);
     response.force[axis].assign(count, 0);
@@ -281,13 +306,17 @@ BearingResponse response_in(const Experiment& experiment, const recording::Reade
       if (words.axis != name_of(kHorizontal[axis])) continue;
       response.displacement[axis] =
           by_step(times, recording::at_each_count(moves, run.signal(words.target)), step, count);
-      // The force at a target is there when the next one comes.
-      auto force = recording::at_each_count(moves, run.signal(words.returned_force));
-      if (!force.empty()) force.erase(force.begin());
-      force.push_back(run.signal(words.returned_force).back());
-      response.force[axis] = by_step(times, force, step, count);
+      response.force[axis] = answers(words.returned_force);
     }
   }
+  for (std::size_t i = 0; i < solver.settings.solver.floors.size(); ++i) {
+    const auto floor = fmt::format("monitor.{}.floor.{}.accel.", solver.node, i + 1);
+    response.floors.push_back({solver.settings.solver.floors[i],
+                               answers(floor + name_of(kHorizontal[0])),
+                               answers(floor + name_of(kHorizontal[1]))});
+  }
+  if (!response.floors.empty())
+    response.ground = ground_of(experiment.earthquake.motion, step, count);
   return response;
 }
 
@@ -295,7 +324,7 @@ void repeat_solver(const Experiment& experiment, const NodePlan& solver,
                    const std::filesystem::path& recording, const std::string& version) {
   const Experiment ideal = with_ideal_machine(experiment, solver);
   run_companion(ideal, recording, version);
-  const auto response = response_in(ideal, recording::Reader{recording}, solver.node);
+  const auto response = response_in(ideal, recording::Reader{recording}, solver);
   std::filesystem::remove(recording);
   response.write(recording);
 }

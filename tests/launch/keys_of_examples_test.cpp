@@ -45,6 +45,7 @@ constexpr Exception kExceptions[] = {
     {"stop\\..*", "the machine is at rest at the end of a short test"},
     {"node\\.[a-z]+\\.safety\\..*", "a limit that a healthy test never reaches"},
     {"network\\..*|host\\..*|node\\.[a-z]+\\.host", "one process runs all nodes in virtual time"},
+    {"node\\.opf\\.processes", "processors change how fast a script computes, not what"},
     {"targets\\.to_Hz", "above the frequencies of a short test"},
 };
 
@@ -87,6 +88,8 @@ class Example : public ::testing::TestWithParam<std::filesystem::path> {
     config_ = Config::load(GetParam());
     if (has_adapter(config_, "opensees") && !test::opensees_python())
       GTEST_SKIP() << "SKIPPED: OpenSees is not installed";
+    if (config_.table("node").table_or_empty("opf").has("processes") && !test::has_mpich())
+      GTEST_SKIP() << test::kWithoutMpich;
     if (has_adapter(config_, "fmu")) use_built_fmu();
     if (has_adapter(config_, "external")) replace_program();
     if (has_adapter(config_, "opensees")) use_opensees();

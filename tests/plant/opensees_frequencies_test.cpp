@@ -7,6 +7,7 @@
 
 #include <rths/plant/modes.hpp>
 
+#include "benchmarks/solver/src/mesh_files.hpp"
 #include "plant/plants.hpp"
 #include "support/files.hpp"
 #include "support/process.hpp"
@@ -20,33 +21,6 @@ using Springs = std::vector<std::array<double, kDirections>>;
 
 constexpr Index kModes = 20;
 constexpr double kTimeout = 100;  // of OpenSees [s]
-
-class Rows {
- public:
-  explicit Rows(const std::filesystem::path& file) : out_{file} { out_.precision(17); }
-  template <class First, class... Others>
-  void add(const First& first, const Others&... others) {
-    out_ << first;
-    ((out_ << ',' << others), ...);
-    out_ << '\n';
-  }
-
- private:
-  std::ofstream out_;
-};
-
-void write_plant(const std::filesystem::path& folder, const Springs& springs) {
-  const auto& [mesh, plant, bearings] = large_plant();
-  Rows nodes{folder / "nodes.csv"}, solids{folder / "solids.csv"}, moduli{folder / "moduli.csv"},
-      below{folder / "springs.csv"};
-  for (const auto& [place, dofs] : plant.nodes)
-    nodes.add(place[0], place[1], place[2], plant.mass[dofs[0]]);
-  for (const auto& [n, part] : mesh.solids)
-    solids.add(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], static_cast<int>(part));
-  for (const double modulus : mesh.moduli) moduli.add(modulus, mesh.poisson_ratio);
-  for (std::size_t i = 0; i < springs.size(); ++i)
-    below.add(plant.bearings[i], springs[i][0], springs[i][1], springs[i][2]);
-}
 
 std::vector<double> numbers_of(const std::filesystem::path& file) {
   std::vector<double> numbers;
@@ -62,10 +36,10 @@ TEST_F(PlantInOpenSees, HasTheSameFrequencies) {
   const auto& [mesh, plant, bearings] = large_plant();
   Springs springs;
   for (const auto& stiffness : stiffness_of(bearings)) springs.push_back(stiffness.initial);
-  write_plant(folder.path(), springs);
-  const auto script = rths::test::source_tree() / "tests/plant/brick_frequencies.py";
+  bench::write_mesh(folder.path(), mesh, plant, springs);
+  const auto script = rths::test::source_tree() / "benchmarks/solver/solids/solid_plant.py";
   rths::test::Running running{
-      {python_, script.string(), folder.path().string(), std::to_string(kModes)}};
+      {python_, script.string(), folder.path().string(), "frequencies", std::to_string(kModes)}};
   Factor factor{plant.on_springs(springs)};
 
   const StructureModes ours = lowest_modes(factor, plant.mass, kModes);

@@ -15,4 +15,6 @@ std::optional<std::string> opensees_python() {
   return std::nullopt;
 }
 
+bool has_mpich() { return std::filesystem::exists("/usr/bin/mpiexec.mpich"); }
+
 }  // namespace rths::test

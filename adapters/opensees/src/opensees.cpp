@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
 #include "opensees_connection.hpp"
@@ -91,6 +92,9 @@ class OpenSees final : public Adapter {
       for (const auto& axis : element.axes)
         add(element.name + '.' + axis.axis + ".stiffness", Direction::Monitor,
             element.turns(axis.index) ? "N.m/rad" : "N/m");
+    for (std::size_t i = 1; i <= settings_.script.floors.size(); ++i)
+      for (const Axis axis : kHorizontal)
+        add(fmt::format("floor.{}.accel.{}", i, name_of(axis)), Direction::Monitor, "m/s2");
     return ports;
   }
 
@@ -304,7 +308,7 @@ class OpenSees final : public Adapter {
     return Status::Ok;
   }
 
-  void write_monitors(const StepData& step) const {
+  void write_monitors(const StepData& step) {
     const auto monitors = step.outputs.subspan(new_target_at_ + 1);
     monitors[0] = static_cast<double>(moves_);
     monitors[1] = time_;
@@ -312,6 +316,19 @@ class OpenSees final : public Adapter {
     std::size_t at = 3;
     for (const auto& specimen : specimens_)
       for (const double stiffness : specimen.stiffness()) monitors[at++] = stiffness;
+    if (const FloorFeed* const floors = opensees_->floors())
+      write_floors(*floors, monitors.subspan(at));
+  }
+
+  // Absolute accelerations, in SI units.
+  void write_floors(const FloorFeed& floors, std::span<double> monitors) const {
+    const auto ground = settings_.ground(floors.time());
+    for (std::size_t i = 0; i < monitors.size(); ++i) {
+      const int dof = settings_.script.floors[i / 2].dofs[i % 2];
+      if (dof == 0) continue;
+      monitors[i] = settings_.elements.front().length_unit * floors.accelerations()[i] +
+                    (floors.is_relative(dof) ? ground[i % 2] : 0);
+    }
   }
 
   OpenSeesSettings settings_;

@@ -36,6 +36,8 @@ void OpenSeesConnection::receive(const std::vector<Specimen>& specimens) {
       if (!servers_[i].matrix_requested() || !specimens[i].is_identified()) break;
       servers_[i].answer(specimens[i].matrices());
     }
+  // After the trials: a script sends the accelerations of a step before the trial of the next one.
+  if (auto* const floors = opensees_.floors()) floors->receive();
 }
 
 bool OpenSeesConnection::connected() const {

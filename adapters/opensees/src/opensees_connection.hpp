@@ -86,6 +86,9 @@ class OpenSeesConnection {
   void receive(const std::vector<Specimen>& specimens);
   [[nodiscard]] std::vector<ElementServer>& servers() { return servers_; }
 
+  /// What the script's floors have sent; null: it has none.
+  [[nodiscard]] const FloorFeed* floors() { return opensees_.floors(); }
+
   /// Whether every element has sent its sizes; whether every element has sent its end.
   [[nodiscard]] bool connected() const;
   [[nodiscard]] bool disconnected() const;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 #include <rths/experiment/user_program.hpp>
 #include <rths/foreign/opensees.hpp>
 
+#include "script_runner.hpp"
+
 namespace rths::adapters {
 
 using namespace experiment;
@@ -21,6 +24,8 @@ namespace {
 constexpr double kPeriod = 1e-3;            // [s]
 constexpr double kPollingPeriod = 0.25e-3;  // of its flags [s]
 constexpr int kPriority = 40;
+constexpr int kMostProcesses = 1024;
+constexpr int kMostTag = 1'000'000'000;
 
 OpenSeesScript read_script(const Config& table) {
   OpenSeesScript opensees;
@@ -34,7 +39,7 @@ OpenSeesScript read_script(const Config& table) {
       table, "arguments", arguments,
       {kMotionPlaceholder, kStepPlaceholder, kDurationPlaceholder, kResultsPlaceholder});
   if (!table.has("script")) {
-    for (const char* key : {"arguments", "python"})
+    for (const char* key : {"arguments", "processes", "python"})
       if (table.has(key))
         table.fail(key, fmt::format("found {} without a script, expected script", key));
     return opensees;
@@ -45,6 +50,27 @@ OpenSeesScript read_script(const Config& table) {
   opensees.command = {python, script.string()};
   opensees.command.insert(opensees.command.end(), arguments.begin(), arguments.end());
   return opensees;
+}
+
+std::vector<OpenSeesFloor> read_floors(const Config& table, const std::string& motion_fault) {
+  std::vector<OpenSeesFloor> floors;
+  for (const auto& one : table.tables("floor")) {
+    if (!table.has("script")) table.fail("floor", "found floors without a script, expected script");
+    if (!motion_fault.empty()) table.fail("floor", motion_fault);
+    OpenSeesFloor floor;
+    floor.name = one.text("name");
+    floor.node = static_cast<int>(one.integer_in("node", 0, kMostTag));
+    const auto dofs = one.numbers("dofs", {1, 2});
+    if (dofs.size() != 2 || std::any_of(dofs.begin(), dofs.end(), [](double dof) {
+          return dof != std::floor(dof) || dof < 0 || dof > 6;
+        }))
+      one.fail("dofs",
+               "dofs of a floor are those along long and lat, expected two from 1 to 6; 0: none");
+    floor.dofs = {static_cast<int>(dofs[0]), static_cast<int>(dofs[1])};
+    one.reject_unknown_keys();
+    floors.push_back(floor);
+  }
+  return floors;
 }
 
 // Fills in the arguments of a script. Its log and motion file lie beside the recording.
@@ -73,12 +99,13 @@ bool can_repeat(const OpenSeesSettings& opensees, const Experiment& setup) {
 }
 
 std::function<void()> program_check(const OpenSeesScript& script, const std::string& node) {
-  return [command = script.command, node] {
+  return [command = script.command, processes = script.processes, node] {
     if (!command.empty() && !is_program(command[0]))
       throw Error{
           fmt::format("node '{}': there is no program '{}' to run its script, expected one "
                       "as its key python or as RTHS_OPENSEES_PYTHON",
                       node, command[0])};
+    if (processes > 1) require_rank_launcher(processes);
   };
 }
 
@@ -102,6 +129,7 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   read_opensees(table, sim::initial_stiffness(setup.model.bearing), opensees);
   opensees.is_prompt = table.flag("prompt", false);
   opensees.script = read_script(table);
+  opensees.script.processes = static_cast<int>(table.integer_in("processes", 1, kMostProcesses, 1));
   NodeSettings settings;
   settings.role = Role::Solver;
   // A prompt adapter steps on arrival of new data, so it needs fewer scheduled steps.
@@ -113,6 +141,8 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
   // The time of OpenSees restarts after static analyses and does not advance during iterations.
   settings.solver.target_count = "step";
   settings.solver.motion_fault = motion_fault(opensees.script.command, node);
+  opensees.script.floors = read_floors(table, settings.solver.motion_fault);
+  for (const auto& floor : opensees.script.floors) settings.solver.floors.push_back(floor.name);
   settings.check = program_check(opensees.script, node);
   if (can_repeat(opensees, setup))
     settings.solver.ideal_machine = std::make_shared<const NodeSettings>(ideal);
@@ -124,6 +154,10 @@ NodeSettings read_opensees_node(const std::string& node, const Config& table,
     complete.rest = test.time.rest;
     complete.wait_deadline = test.solver.wait_deadline * test.time.rate;
     complete.stops_time = context.is_virtual;
+    complete.ground = [motion = test.earthquake.motion](double time) {
+      const auto at = motion.at(time);
+      return std::array{at[0], at[1]};
+    };
     if (test.solver.models_computing_time)
       complete.computing_time = [times = ComputingTimes{test.solver.computing_time}]() mutable {
         return times.draw();

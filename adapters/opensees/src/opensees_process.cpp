@@ -20,6 +20,8 @@
 
 #include <rths/core/error.hpp>
 
+#include "script_runner.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -97,11 +99,12 @@ void close_ended(KeptSockets& kept) noexcept {
 }
 
 constexpr auto kExitTime = std::chrono::milliseconds{100};  // of a process after its socket closed
+constexpr auto kRanksExitTime = std::chrono::seconds{1};    // of the launcher that ends the others
 constexpr auto kLongestFarewell = std::chrono::seconds{1};  // of its last message
 constexpr auto kToFinish = std::chrono::seconds{1};
 
 // The script runs in its own folder.
-ProgramStart start_of(const OpenSeesScript& script) {
+ProgramStart start_of(const OpenSeesScript& script, int floor_pipe) {
   ProgramStart start;
   start.command = script.command;
   start.log = script.log;
@@ -111,20 +114,30 @@ ProgramStart start_of(const OpenSeesScript& script) {
   start.name = file.filename().string();
   start.command[1] = file.string();
   start.folder = file.parent_path();
+  run_inside(script, floor_pipe, start);
   return start;
 }
 
 }  // namespace
 
 OpenSeesProcess::OpenSeesProcess(const OpenSeesScript& script)
-    : log_{script.log.string()}, restarted_{WallClock{}.now()} {
+    : log_{script.log.string()}, has_ranks_{script.processes > 1}, restarted_{WallClock{}.now()} {
   for (const auto& [file, content] : script.files)
     if (!(std::ofstream{file} << content).flush())
       throw Error{fmt::format("{}: cannot be written", file.string())};
+  if (!script.floors.empty()) floors_.emplace(script.floors.size());
   if (script.command.empty())
     keeper_.emplace();
   else
-    script_.emplace(start_of(script));
+    script_.emplace(start_of(script, floors_ ? floors_->writing_end() : -1));
+  if (floors_) floors_->close_writing_end();
+}
+
+// Ranks are in sessions of their own. The launcher ends them, and waits for their end.
+OpenSeesProcess::~OpenSeesProcess() {
+  if (!has_ranks_ || !script_ || script_->has_ended()) return;
+  script_->ask_to_end();
+  script_->wait(kRanksExitTime);
 }
 
 void OpenSeesProcess::keep(int socket) const {
@@ -152,7 +165,7 @@ Duration OpenSeesProcess::time_left(double longest, const char* problem) {
 }
 
 std::string OpenSeesProcess::with_exit_reason(std::string message) {
-  if (script_ && script_->wait(kExitTime))
+  if (script_ && script_->wait(has_ranks_ ? Duration{kRanksExitTime} : Duration{kExitTime}))
     if (const auto failure = script_->failure(); failure && *failure != message)
       message += "; " + *failure;
   return message;

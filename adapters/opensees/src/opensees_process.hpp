@@ -8,6 +8,8 @@
 #include <rths/adapters/opensees_script.hpp>
 #include <rths/core/clock.hpp>
 
+#include "floor_feed.hpp"
+
 namespace rths::adapters {
 
 /// A separate process that keeps copies of the clients' TCP sockets open if this process is killed.
@@ -40,9 +42,15 @@ class OpenSeesProcess {
  public:
   /// Starts OpenSees if the script has a command. @throws Error on failure
   explicit OpenSeesProcess(const OpenSeesScript& script);
+  /// Ends OpenSees, all of its ranks.
+  ~OpenSeesProcess();
+  OpenSeesProcess(const OpenSeesProcess&) = delete;
+  OpenSeesProcess& operator=(const OpenSeesProcess&) = delete;
 
   /// Id of the started process; 0: a user starts it.
   [[nodiscard]] int process() const { return script_ ? script_->process() : 0; }
+  /// What its floors have sent; null: it has none.
+  [[nodiscard]] FloorFeed* floors() { return floors_ ? &*floors_ : nullptr; }
   /// Keeps a TCP connection with a user's own OpenSees open.
   void keep(int socket) const;
   /// Returns the time left of a deadline of `longest` [s] since its last restart.
@@ -65,9 +73,11 @@ class OpenSeesProcess {
   std::optional<std::string> finish();
 
  private:
+  std::optional<FloorFeed> floors_;
   std::optional<ChildProgram> script_;
   std::optional<SocketKeeper> keeper_;
   std::string log_;
+  bool has_ranks_;
   TimePoint restarted_;             ///< wall time
   std::optional<TimePoint> ended_;  ///< exit detected, wall time
 };

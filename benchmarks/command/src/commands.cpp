@@ -113,8 +113,10 @@ void add_bearings(Commands& to) {
 
 void add_solver(Commands& to) {
   SolverOptions& options = to.arguments.solver;
-  auto* command = add(to, {"solver", "Time of one step of plants on 486 nonlinear bearings"},
-                      options, run_solver_bench);
+  auto* command = add(
+      to,
+      {"solver", "Time of one step of plants on 486 nonlinear bearings, compared with OpenSees"},
+      options, run_solver_bench);
   command->add_option("--dof", options.dofs, "Degrees of freedom, the nearest mesh; repeatable")
       ->check(CLI::Range(1000, 1'000'000))
       ->take_all()
@@ -122,6 +124,13 @@ void add_solver(Commands& to) {
   command->add_option("--steps", options.steps, "Steps of a row; a tenth of a full plant")
       ->check(CLI::Range(100, 10'000'000))
       ->capture_default_str();
+  command
+      ->add_option("--opensees-steps", options.opensees_steps,
+                   "Steps of OpenSees; a twentieth above 15,000 degrees of freedom")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  command->add_option("--opensees", options.python,
+                      "Python with OpenSees [RTHS_OPENSEES_PYTHON, or that of ./lab]");
 }
 
 void add_srmd(Commands& to) {

@@ -30,7 +30,9 @@ Arguments arguments_here() {
   arguments.ring.programs = arguments.opensees.programs = arguments.diagnosis.programs = programs;
   arguments.bearings.bearings = shared / "bearings";
   arguments.bearings.script = shared / "opensees/bearing.py";
-  arguments.bearings.python = arguments.diagnosis.python = opensees_python(programs);
+  arguments.bearings.python = arguments.diagnosis.python = arguments.solver.python =
+      opensees_python(programs);
+  arguments.solver.script = shared / "solids/solid_plant.py";
   arguments.srmd.machine = shared / "machines/srmd.toml";
   arguments.srmd.bearing = shared / "bearings/lprb.toml";
   arguments.srmd.constants = shared / "examples/srmd_platen_constants.toml";

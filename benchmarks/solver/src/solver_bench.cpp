@@ -17,6 +17,8 @@
 #include <rths/maths/statistics.hpp>
 #include <rths/plant/large_plant.hpp>
 
+#include "opensees_steps.hpp"
+
 namespace rths::bench {
 namespace {
 
@@ -25,7 +27,9 @@ using Clock = std::chrono::steady_clock;
 constexpr double kTimeSteps[] = {0.01, 0.001};  // [s]
 constexpr double kShareOfStep = 0.6;            // of the time step: the paper's 6 ms of 10
 constexpr long kMostOfFull = 15'000;            // degrees of freedom
-constexpr int kWarmUp = 50;                     // steps that do not count
+constexpr int kFewerOfOpenSees = 20;            // steps of a larger plant: one in so many
+constexpr const char* kOpenSeesSettings = "Mumps, AlphaOS, Linear -initial -factorOnce";
+constexpr int kWarmUp = 50;  // steps that do not count
 
 sim::Bearing bearing_of(double mean_weight) {
   const auto file = shared_files() / "bearings/lprb.toml";
@@ -48,6 +52,8 @@ double memory_of_process() {
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
+
+bool is_ours(const SolverRow& row) { return row.path != "opensees"; }
 
 double seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
@@ -126,6 +132,44 @@ SolverRow measured(const plant::LargePlant& model, double time_step, int steps) 
   return row;
 }
 
+SolverRow row_of(const OpenSeesSteps& theirs, long dofs, double time_step) {
+  SolverRow row;
+  row.dof = dofs;
+  row.bearings = plant::kAntBearings;
+  row.time_step = time_step;
+  row.path = "opensees";
+  row.steps = static_cast<int>(theirs.wall.size());
+  row.misses =
+      static_cast<int>(std::count_if(theirs.wall.begin(), theirs.wall.end(),
+                                     [&](double time) { return time > kShareOfStep * time_step; }));
+  row.median = maths::quantile(theirs.wall, 0.5);
+  row.p99 = maths::quantile(theirs.wall, 0.99);
+  row.p999 = maths::quantile(theirs.wall, 0.999);
+  row.largest = maths::quantile(theirs.wall, 1);
+  row.processor_median = maths::quantile(theirs.processor, 0.5);
+  row.dofs_per_us = static_cast<double>(row.dof) / (1e6 * row.median);
+  row.memory = theirs.memory;
+  return row;
+}
+
+// Beside the rows of one plant, in the same run: OpenSees has the same time for any time step.
+void add_opensees(const SolverOptions& options, const plant::AntDesign& design,
+                  const plant::PlantDescription& description, std::size_t first,
+                  SolverReport& report) {
+  const double time_step = kTimeSteps[0];
+  const long dofs = report.rows[first].dof;
+  const int steps = options.opensees_steps / (dofs > kMostOfFull ? kFewerOfOpenSees : 1);
+  const auto theirs = opensees_steps({options.python, options.script}, design, description,
+                                     motion(), time_step, std::max(1, steps));
+  report.has_opensees = theirs.missing.empty();
+  report.opensees = report.has_opensees ? theirs.version : theirs.missing;
+  if (!report.has_opensees) return;
+  const SolverRow row = row_of(theirs, dofs, time_step);
+  for (std::size_t i = first; i < report.rows.size(); ++i)
+    report.rows[i].ratio_to_opensees = row.processor_median / report.rows[i].median;
+  report.rows.push_back(row);
+}
+
 }  // namespace
 
 SolverReport run_solver_bench(const SolverOptions& options) {
@@ -134,6 +178,7 @@ SolverReport run_solver_bench(const SolverOptions& options) {
   for (const long dofs : options.dofs) {
     const auto design = plant::ant_with(dofs);
     const auto bearing = bearing_of(design.mass() * kStandardGravity / plant::kAntBearings);
+    const std::size_t first = report.rows.size();
     for (const bool is_full : {false, true}) {
       if (is_full && dofs > kMostOfFull) continue;
       if (options.progress)
@@ -146,34 +191,66 @@ SolverReport run_solver_bench(const SolverOptions& options) {
         report.rows.push_back(
             measured(model, time_step, is_full ? options.steps / 10 : options.steps));
     }
+    if (options.progress) options.progress(fmt::format("{} degrees of freedom, OpenSees", dofs));
+    add_opensees(options, design, plant::describe(design, bearing), first, report);
   }
   return report;
 }
 
+namespace {
+
+nlohmann::ordered_json document(const SolverRow& row) {
+  nlohmann::ordered_json json{
+      {"name", fmt::format("{}_{}_{:g}ms", row.path, row.dof, 1e3 * row.time_step)},
+      {"dof", row.dof},
+      {"bearings", row.bearings},
+      {"step_ms", 1e3 * row.time_step},
+      {"path", row.path},
+      {"coordinates", row.coordinates},
+      {"p50_ms", 1e3 * row.median},
+      {"p99_ms", 1e3 * row.p99},
+      {"p999_ms", 1e3 * row.p999},
+      {"max_ms", 1e3 * row.largest}};
+  if (is_ours(row)) {
+    json["critical_p50_us"] = 1e6 * row.critical_median;
+    json["critical_p99_us"] = 1e6 * row.critical_p99;
+  } else {
+    json["processor_p50_ms"] = 1e3 * row.processor_median;
+  }
+  json["steps"] = row.steps;
+  json["excused"] = row.excused;
+  json["misses"] = row.misses;
+  json["dof_per_us"] = row.dofs_per_us;
+  json["memory_MB"] = 1e-6 * row.memory;
+  if (row.ratio_to_opensees > 0) json["ratio_to_opensees"] = row.ratio_to_opensees;
+  return json;
+}
+
+std::string line_of(const SolverRow& row) {
+  std::string line =
+      fmt::format("{:>7}  {:<8} {:>2.0f} ms  {:>8.3f} ms {:>8.3f} ms {:>8.3f} ms", row.dof,
+                  row.path, 1e3 * row.time_step, 1e3 * row.median, 1e3 * row.p99, 1e3 * row.p999);
+  line += is_ours(row) ? fmt::format("  {:>5.2f} us, {:>6.2f} us", 1e6 * row.critical_median,
+                                     1e6 * row.critical_p99)
+                       : fmt::format("  {:>7.3f} ms of processor", 1e3 * row.processor_median);
+  line += fmt::format(" {:>6}  {:>4} of {}", row.misses, row.excused, row.steps);
+  if (row.ratio_to_opensees > 0) line += fmt::format("  {:.0f}", row.ratio_to_opensees);
+  return line + "\n";
+}
+
+}  // namespace
+
 std::string to_json(const SolverReport& report) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
-  for (const auto& row : report.rows)
-    rows.push_back({{"name", fmt::format("{}_{}_{:g}ms", row.path, row.dof, 1e3 * row.time_step)},
-                    {"dof", row.dof},
-                    {"bearings", row.bearings},
-                    {"step_ms", 1e3 * row.time_step},
-                    {"path", row.path},
-                    {"coordinates", row.coordinates},
-                    {"p50_ms", 1e3 * row.median},
-                    {"p99_ms", 1e3 * row.p99},
-                    {"p999_ms", 1e3 * row.p999},
-                    {"max_ms", 1e3 * row.largest},
-                    {"critical_p50_us", 1e6 * row.critical_median},
-                    {"critical_p99_us", 1e6 * row.critical_p99},
-                    {"steps", row.steps},
-                    {"excused", row.excused},
-                    {"misses", row.misses},
-                    {"dof_per_us", row.dofs_per_us},
-                    {"memory_MB", 1e-6 * row.memory}});
+  for (const auto& row : report.rows) rows.push_back(document(row));
+  nlohmann::ordered_json opensees;
+  opensees[report.has_opensees ? "version" : "missing"] = report.opensees;
+  if (report.has_opensees) opensees["settings"] = kOpenSeesSettings;
   return nlohmann::ordered_json{{"machine",
                                  {{"cpu", report.machine.cpu},
                                   {"cpus", report.machine.processors},
                                   {"kernel", report.machine.kernel}}},
+                                {"opensees", opensees},
                                 {"rows", rows}}
              .dump(1) +
          "\n";
@@ -182,14 +259,13 @@ std::string to_json(const SolverReport& report) {
 std::string to_text(const SolverReport& report) {
   std::string text =
       fmt::format("{}, {} processors\n", report.machine.cpu, report.machine.processors);
-  text += "    dof  path     step      p50      p99    p99.9  critical p50, p99  misses  excused\n";
-  for (const auto& row : report.rows)
-    text += fmt::format(
-        "{:>7}  {:<7} {:>2.0f} ms  {:>5.3f} ms {:>5.3f} ms {:>5.3f} ms  {:>5.2f} us, {:>6.2f} us "
-        "{:>6}  {:>4} of {}\n",
-        row.dof, row.path, 1e3 * row.time_step, 1e3 * row.median, 1e3 * row.p99, 1e3 * row.p999,
-        1e6 * row.critical_median, 1e6 * row.critical_p99, row.misses, row.excused, row.steps);
-  return text;
+  text +=
+      "    dof  path      step         p50         p99       p99.9  critical p50, p99     misses  "
+      "excused  OpenSees over it\n";
+  for (const auto& row : report.rows) text += line_of(row);
+  return text + (report.has_opensees
+                     ? fmt::format("OpenSees {}: {}\n", report.opensees, kOpenSeesSettings)
+                     : fmt::format("OpenSees is NOT measured: {}\n", report.opensees));
 }
 
 }  // namespace rths::bench

@@ -17,8 +17,10 @@ struct ProgramStart {
   std::vector<std::string> command;    ///< program, searched in PATH, and its arguments
   std::filesystem::path folder = ".";  ///< in which it runs
   std::filesystem::path log;           ///< its output
+  std::string telling;  ///< beginning of the lines that tell of a failure; empty: any line
   /// Variables in addition to those of this process.
   std::vector<std::pair<std::string, std::string>> environment;
+  int kept_open = -1;       ///< a descriptor of this process that it inherits; −1: none
   bool is_favoured = true;  ///< by the scheduler, if permitted: every step waits for it
 };
 
@@ -50,6 +52,7 @@ class ChildProgram {
 
   std::string name_;
   std::filesystem::path log_;
+  std::string telling_;
   int pid_ = -1;
   bool has_ended_ = false;
   int status_ = 0;

@@ -71,7 +71,8 @@ struct SolverTraits {
   int ticks_per_target = 1;         ///< of a controller that reads the flags once per tick
   bool may_not_end = false;         ///< the user's own: the launcher ends a late run
   std::string target_count;  ///< monitor that counts its targets; empty: their time counts them
-  std::string motion_fault;  ///< why it cannot run under another motion; empty: it can
+  std::vector<std::string> floors;  ///< names of its monitors floor.1, …, of one with a structure
+  std::string motion_fault;         ///< why it cannot run under another motion; empty: it can
   /// Of one with a structure of its own that can run again: the node that then takes the place of
   /// controller and machine, for the purely numerical result. Null: it cannot.
   std::shared_ptr<const NodeSettings> ideal_machine;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <string>
@@ -31,6 +32,8 @@ struct OpenSeesSettings {
   bool stops_time = false;  ///< virtual time: a step waits for OpenSees' next request
   /// Draws the least time from the arrival of the specimen to the next trial [s]; empty: none.
   std::function<double()> computing_time;
+  /// Acceleration of the ground at a time of the script: long, lat [m/s²]. For floors.
+  std::function<std::array<double, 2>(double time)> ground;
   OpenSeesScript script;
 };
 
