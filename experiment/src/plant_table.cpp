@@ -48,20 +48,20 @@ std::shared_ptr<const sim::StructureModel> read_sticks(const Config& table) {
   return std::make_shared<sim::StickModel>(plant);
 }
 
-// "corner", "centre", or an index from 1, along lat first.
-std::size_t tested_bearing_of_ant(const Config& table) {
+// "corner", "centre", or an index from 1, along lat first. A single bearing is at the centre.
+std::size_t tested_bearing_of_ant(const Config& table, std::size_t bearings) {
   constexpr std::size_t kCentre =
       plant::kAntBearingsLong / 2 * plant::kAntBearingsLat + plant::kAntBearingsLat / 2;
   if (table.has("tested_bearing") && !table.is_text("tested_bearing"))
-    return static_cast<std::size_t>(table.integer_in("tested_bearing", 1, plant::kAntBearings, 1) -
-                                    1);
-  const std::string name = table.text("tested_bearing", "corner");
-  if (name != "corner" && name != "centre")
-    table.fail(
-        "tested_bearing",
-        fmt::format("tested_bearing is '{}', expected corner, centre or a number from 1 to {}",
-                    name, plant::kAntBearings));
-  return name == "corner" ? 0 : kCentre;
+    return static_cast<std::size_t>(
+        table.integer_in("tested_bearing", 1, static_cast<std::int64_t>(bearings)) - 1);
+  const std::string name = table.text("tested_bearing", bearings == 1 ? "centre" : "corner");
+  if (name == "corner" && bearings > 1) return 0;
+  if (name != "centre")
+    table.fail("tested_bearing",
+               fmt::format("tested_bearing is '{}', expected {}centre or a number from 1 to {}",
+                           name, bearings > 1 ? "corner, " : "", bearings));
+  return bearings == plant::kAntBearings ? kCentre : bearings / 2;
 }
 
 // Bearings that are not tested are as [model] assumes the specimen, without what a diagnosis has
@@ -76,9 +76,13 @@ sim::Bearing others_of(const Config& file, double mass, std::size_t bearings) {
 }
 
 plant::PlantDescription describe_ant(const Config& table, const Config& file) {
-  const auto design = plant::ant_with(table.integer_in("dof", kLeastDofs, kMostDofs, 5'000));
+  auto design = plant::ant_with(table.integer_in("dof", kLeastDofs, kMostDofs, 5'000));
+  const auto bearings = table.integer_in("bearings", 1, plant::kAntBearings, plant::kAntBearings);
+  design.bearings = static_cast<std::size_t>(bearings);
+  static_cast<void>(
+      table.placed("bearings", [&] { return plant::ant_bearing_places(design.bearings); }));
   auto description = plant::describe(design, others_of(file, design.mass(), plant::kAntBearings));
-  description.tested_bearing = tested_bearing_of_ant(table);
+  description.tested_bearing = tested_bearing_of_ant(table, design.bearings);
   return description;
 }
 
@@ -101,12 +105,12 @@ plant::PlantDescription describe_files(const Config& table, const Config& file) 
   const double mass = structure->mass_along(plant::kDirections - 1);
   check_weight(table, mass, structure->bearings.size());
   plant::PlantDescription description;
-  description.bearing = others_of(file, mass, structure->bearings.size());
+  description.bearings = plant::BearingSet::all_of(
+      others_of(file, mass, structure->bearings.size()), structure->bearings.size());
   description.structure = [structure] { return *structure; };
   for (const auto& each : {files.stiffness, files.mass, files.nodes, files.bearings, files.floors})
     description.key += sha256_of(each) + ' ';
   for (const auto& floor : structure->floors) description.floors.push_back(floor.name);
-  description.bearings = structure->bearings.size();
   description.tested_bearing = static_cast<std::size_t>(
       table.integer_in("tested_bearing", 1, std::ssize(structure->bearings), 1) - 1);
   return description;
@@ -114,9 +118,10 @@ plant::PlantDescription describe_files(const Config& table, const Config& file) 
 
 std::shared_ptr<const sim::StructureModel> read_large(const Config& table,
                                                       plant::PlantDescription description) {
-  description.vertical_stiffness =
-      table.number_in("vertical_stiffness_N_per_m", 1e6, 1e13, description.vertical_stiffness);
-  description.tension_share = table.number_in("tension_share", 0, 1, description.tension_share);
+  auto& bearings = description.bearings;
+  bearings.vertical_stiffness =
+      table.number_in("vertical_stiffness_N_per_m", 1e6, 1e13, bearings.vertical_stiffness);
+  bearings.tension_share = table.number_in("tension_share", 0, 1, bearings.tension_share);
   description.frequency_limit =
       table.number_in("frequency_limit_Hz", 1, 1000, description.frequency_limit);
   description.damping_ratio = table.number_in("damping_ratio", 0, 0.5, description.damping_ratio);

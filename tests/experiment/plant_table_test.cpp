@@ -31,7 +31,11 @@ TEST(PlantTable, RefusesAWrongValueWithItsPlace) {
        "tested_bearing is 'middle', expected corner, centre or a number from 1 to 486");
   says({{"plant.tested_bearing", "487"}}, "tested_bearing");
   says({{"plant.basis", "half"}}, "basis is 'half', expected reduced or full");
-  says({{"plant.bearings", "5"}}, "bearings");
+  says({{"plant.bearings", "7"}}, "plant: 7 bearings, expected 1, 5, 486");
+  says({{"plant.bearings", "487"}}, "bearings");
+  says({{"plant.bearings", "1"}},
+       "tested_bearing is 'corner', expected centre or a number from 1 to 1");
+  says({{"plant.bearings", "5"}, {"plant.tested_bearing", "6"}}, "tested_bearing");
   says({{"plant.dof", "12"}}, "dof");
   says({{"plant.model", "files"}}, "files");
   says({{"plant.model", "files"}, {"plant.files", "nowhere"}}, "nowhere");

@@ -29,7 +29,7 @@ Response drive(LargePlantAnalysis& plant, const sim::Bearing& tested, double tim
   sim::BearingRun specimen{tested, time_step};
   std::array<double, 3> target{}, rate{}, force{};
   std::vector<double> monitored(plant.monitors().size());
-  Response response{time_step, MatrixXd(steps, 2),
+  Response response{time_step, MatrixXd(steps, 2), MatrixXd(steps, 1),
                     MatrixXd(steps, static_cast<Index>(monitored.size()) - 3)};
   for (Index i = 0; i < steps; ++i) {
     plant.predict(target, rate);
@@ -40,6 +40,7 @@ Response drive(LargePlantAnalysis& plant, const sim::Bearing& tested, double tim
     plant.correct(force);
     plant.monitor(monitored);
     response.tested.row(i) << target[0], target[1];
+    response.loads(i, 0) = target[2];
     for (Index k = 0; k < response.floors.cols(); ++k)
       response.floors(i, k) = monitored[static_cast<std::size_t>(k + 3)];
   }

@@ -15,6 +15,7 @@ inline constexpr double kTimeStep = 0.001;  ///< of most runs [s]
 struct Response {
   double time_step = 0;
   MatrixXd tested;  ///< displacement of the tested bearing: long, lat; row by step [m]
+  MatrixXd loads;   ///< vertical target of the tested bearing; row by step [N]
   MatrixXd floors;  ///< absolute acceleration of the floors; row by step [m/s²]
 };
 [[nodiscard]] Response drive(LargePlantAnalysis& plant, const sim::Bearing& tested,

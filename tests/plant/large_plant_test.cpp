@@ -33,8 +33,7 @@ PlantDescription described(int* times_made = nullptr) {
   };
   plant.key = "three boxes";
   plant.floors = {"top"};
-  plant.bearings = row_of_boxes().bearings.size();
-  plant.bearing = lead_rubber();
+  plant.bearings = BearingSet::all_of(lead_rubber(), row_of_boxes().bearings.size());
   plant.frequency_limit = 20;
   return plant;
 }
@@ -100,7 +99,7 @@ TEST_F(KeptModes, AreMadeAgainForOtherBearings) {
   int made = 0;
   const LargePlant first{described(&made), folder_.path()};
   auto other = described(&made);
-  other.bearing.terms[0].parameters[1].second *= 1.001;
+  other.bearings.kinds[0].terms[0].parameters[1].second *= 1.001;
   const LargePlant second{std::move(other), folder_.path()};
 
   EXPECT_EQ(made, 2);
@@ -117,7 +116,7 @@ TEST_F(KeptModes, AreMadeEachTimeWithoutAFolderToKeepThem) {
 
 TEST(LargePlantModel, AnalysesItsReducedPlant) {
   const LargePlant plant{described(), std::nullopt};
-  const auto bearings = BearingSet::all_of(lead_rubber(), plant.description().bearings);
+  const BearingSet& bearings = plant.description().bearings;
   PlantSettings settings;
   settings.time_step = 0.005;
   const auto expected =

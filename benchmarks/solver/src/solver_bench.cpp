@@ -117,12 +117,12 @@ SolverRow measured(const plant::LargePlant& model, double time_step, int steps) 
   const auto& description = model.description();
   SolverRow row;
   row.dof = static_cast<long>(model.basis().dofs);
-  row.bearings = description.bearings;
+  row.bearings = description.bearings.kind_of.size();
   row.time_step = time_step;
   row.path = description.is_full ? "full" : "reduced";
   row.coordinates = description.is_full ? 0 : static_cast<int>(model.basis().coordinates());
   const auto analysis = model.analysis({motion(), 0, time_step});
-  sim::Bearing specimen = description.bearing;
+  sim::Bearing specimen = description.bearings.kinds[0];
   specimen.axial_load = model.weight();
   Steps measurement{*analysis, specimen, time_step};
   measurement.run(steps);

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <rths/core/error.hpp>
 #include <rths/plant/modes.hpp>
@@ -258,6 +259,26 @@ AntDesign ant_with(long dofs) {
   return design;
 }
 
+std::vector<std::array<double, 2>> ant_bearing_places(std::size_t bearings) {
+  if (std::ranges::find(kAntModels, bearings) == kAntModels.end())
+    throw Error{
+        fmt::format("plant: {} bearings, expected {}", bearings, fmt::join(kAntModels, ", "))};
+  if (bearings == 1) return {{0, 0}};
+  constexpr double kWidth = kSideLong / kAntBearingsLong, kDepth = kSideLat / kAntBearingsLat;
+  std::vector<std::array<double, 2>> all;
+  for (int i = 0; i < kAntBearingsLong; ++i)
+    for (int j = 0; j < kAntBearingsLat; ++j)
+      all.push_back({(i - 0.5 * (kAntBearingsLong - 1)) * kWidth,
+                     (j - 0.5 * (kAntBearingsLat - 1)) * kDepth});
+  if (bearings == kAntBearings) return all;
+  // n places in a row at equal distances d have the mean square d² (n² − 1)/12.
+  const auto reach = [](double distance, int places) {
+    return distance * std::sqrt(5. / 4 * (places * places - 1) / 12);
+  };
+  const double x = reach(kWidth, kAntBearingsLong), y = reach(kDepth, kAntBearingsLat);
+  return {{-x, -y}, {-x, y}, {0, 0}, {x, -y}, {x, y}};
+}
+
 AntMesh mesh_of(const AntDesign& design) {
   if (design.plan < 1 || design.mat_layers < 1 || design.levels < 1)
     throw Error{fmt::format(
@@ -282,6 +303,16 @@ Structure assemble(const AntMesh& mesh) {
       mesh, [](const Solid&) { return true; }, structure,
       static_cast<Index>(kDirections * mesh.nodes.size()));
   return structure;
+}
+
+Structure assemble_on_rigid_mat(const AntMesh& mesh, std::size_t bearings) {
+  RigidMat mat;
+  for (std::size_t node = 0; node < mesh.nodes.size(); ++node)
+    if (mesh.nodes[node].place[2] <= 0) mat.nodes.push_back(node);
+  for (const auto& [x, y] : ant_bearing_places(bearings))
+    mat.bearings.push_back({x, y, -kMatThickness});
+  mat.turns = bearings > 1;
+  return on_rigid_mat(assemble(mesh), mat);
 }
 
 Structure on_fixed_base(const AntMesh& mesh, PlantPart part) {

@@ -19,7 +19,8 @@ constexpr double kOwnPart = 1e-9;  // of a vector that the others do not contain
 /// Loads whose static deflections belong to a basis.
 class StaticLoads {
  public:
-  explicit StaticLoads(const Structure& structure) : structure_{structure} {
+  explicit StaticLoads(const Structure& structure)
+      : structure_{structure}, map_{structure.bearing_motion()} {
     for (const std::size_t node : structure.bearings)
       for (std::size_t k = 0; k < 2; ++k)
         reach_ = std::max(reach_, std::abs(structure.nodes[node].place[k]));
@@ -28,20 +29,18 @@ class StaticLoads {
 
   /// Forces of all bearings in one direction, as 1, x, y, xy, x², y².
   [[nodiscard]] VectorXd pattern(std::size_t direction, std::size_t pattern) const {
-    VectorXd load = VectorXd::Zero(structure_.dofs());
-    for (const std::size_t node : structure_.bearings) {
-      const auto& [place, dofs] = structure_.nodes[node];
+    VectorXd forces = VectorXd::Zero(map_.rows());
+    for (std::size_t i = 0; i < structure_.bearings.size(); ++i) {
+      const auto& place = structure_.nodes[structure_.bearings[i]].place;
       const double x = place[0] / reach_, y = place[1] / reach_;
-      load[dofs[direction]] += std::array{1.0, x, y, x * y, x * x, y * y}[pattern];
+      forces[row_of(i, direction)] = std::array{1.0, x, y, x * y, x * x, y * y}[pattern];
     }
-    return load;
+    return map_.transpose() * forces;
   }
   static constexpr std::size_t kPatterns = 6;
 
   [[nodiscard]] VectorXd of_bearing(std::size_t bearing, std::size_t direction) const {
-    VectorXd load = VectorXd::Zero(structure_.dofs());
-    load[structure_.nodes[structure_.bearings[bearing]].dofs[direction]] = 1;
-    return load;
+    return map_.transpose() * VectorXd::Unit(map_.rows(), row_of(bearing, direction));
   }
 
   [[nodiscard]] std::vector<VectorXd> all(std::size_t tested) const {
@@ -56,7 +55,12 @@ class StaticLoads {
   }
 
  private:
+  static Index row_of(std::size_t bearing, std::size_t direction) {
+    return static_cast<Index>(kDirections * bearing + direction);
+  }
+
   const Structure& structure_;
+  SparseMatrix map_;
   double reach_ = 0;
 };
 
@@ -65,7 +69,9 @@ void append(const std::vector<VectorXd>& vectors, const VectorXd& mass, MatrixXd
   Index count = basis.cols();
   basis.conservativeResize(Eigen::NoChange, count + std::ssize(vectors));
   for (VectorXd rest : vectors) {
-    rest /= std::sqrt(rest.dot(mass.cwiseProduct(rest)));
+    const double size = std::sqrt(rest.dot(mass.cwiseProduct(rest)));
+    if (!(size > 0)) continue;  // a pattern that no bearing has
+    rest /= size;
     for (int pass = 0; pass < kPasses; ++pass)
       rest -= basis.leftCols(count) * (basis.leftCols(count).transpose() * mass.cwiseProduct(rest));
     const double length = std::sqrt(rest.dot(mass.cwiseProduct(rest)));
@@ -74,12 +80,11 @@ void append(const std::vector<VectorXd>& vectors, const VectorXd& mass, MatrixXd
   basis.conservativeResize(Eigen::NoChange, count);
 }
 
-MatrixXd rows_at(const MatrixXd& shapes, const Structure& structure,
-                 const std::vector<std::size_t>& nodes) {
-  MatrixXd rows(std::ssize(nodes) * static_cast<Index>(kDirections), shapes.cols());
+MatrixXd at_floors(const MatrixXd& shapes, const Structure& structure) {
+  MatrixXd rows(std::ssize(structure.floors) * static_cast<Index>(kDirections), shapes.cols());
   Index row = 0;
-  for (const std::size_t node : nodes)
-    for (const Index dof : structure.nodes[node].dofs) rows.row(row++) = shapes.row(dof);
+  for (const auto& floor : structure.floors)
+    for (const Index dof : structure.nodes[floor.node].dofs) rows.row(row++) = shapes.row(dof);
   return rows;
 }
 
@@ -89,12 +94,9 @@ VectorXd static_weights(const Structure& structure, const BearingSet& bearings, 
   const VectorXd load = -kStandardGravity * structure.inertia().col(2);
   VectorXd settlement;
   factor.solve(load, settlement);
-  VectorXd weights(std::ssize(structure.bearings));
-  for (std::size_t i = 0; i < structure.bearings.size(); ++i)
-    weights[static_cast<Index>(i)] =
-        -bearings.vertical_stiffness *
-        settlement[structure.nodes[structure.bearings[i]].dofs[kDirections - 1]];
-  return weights;
+  const VectorXd motion = structure.bearing_motion() * settlement;
+  return -bearings.vertical_stiffness *
+         motion.reshaped(3, std::ssize(structure.bearings)).row(2).transpose();
 }
 
 Basis make_basis(const Structure& structure, const BearingSet& bearings,
@@ -102,13 +104,12 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
   if (settings.tested_bearing >= structure.bearings.size())
     throw Error{fmt::format("basis: bearing {} is tested, but there are {}",
                             settings.tested_bearing + 1, structure.bearings.size())};
-  const auto stiffness = stiffness_of(bearings);
-  const SparseMatrix initial = on_springs(structure, stiffness, &BearingStiffness::initial);
+  const SparseMatrix initial = on_springs(structure, bearings, &BearingStiffness::initial);
   Factor on_initial{initial};
   Basis basis;
   MatrixXd shapes;
   {
-    Factor on_post_yield{on_springs(structure, stiffness, &BearingStiffness::post_yield)};
+    Factor on_post_yield{on_springs(structure, bearings, &BearingStiffness::post_yield)};
     StructureModes modes = modes_up_to(on_post_yield, structure.mass, settings.frequency_limit);
     basis.frequencies = std::move(modes.frequencies);
     shapes = std::move(modes.shapes);
@@ -124,10 +125,8 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
   const MatrixXd reduced = shapes.transpose() * (initial * shapes);
   const maths::Modes principal = maths::symmetric_modes(0.5 * (reduced + reduced.transpose()));
   basis.stiffness = principal.values;
-  std::vector<std::size_t> floors;
-  for (const auto& floor : structure.floors) floors.push_back(floor.node);
-  basis.bearings = rows_at(shapes, structure, structure.bearings) * principal.vectors;
-  basis.floors = rows_at(shapes, structure, floors) * principal.vectors;
+  basis.bearings = (structure.bearing_motion() * shapes) * principal.vectors;
+  basis.floors = at_floors(shapes, structure) * principal.vectors;
   basis.participation = principal.vectors.transpose() * (shapes.transpose() * structure.inertia());
   basis.weights = static_weights(structure, bearings, on_initial);
   for (std::size_t k = 0; k < kDirections; ++k) basis.mass[k] = structure.mass_along(k);

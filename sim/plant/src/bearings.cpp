@@ -55,10 +55,13 @@ std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings) {
   return result;
 }
 
-SparseMatrix on_springs(const Structure& structure, const std::vector<BearingStiffness>& bearings,
+SparseMatrix on_springs(const Structure& structure, const BearingSet& bearings,
                         std::array<double, kDirections> BearingStiffness::*springs) {
   std::vector<std::array<double, kDirections>> chosen;
-  for (const auto& bearing : bearings) chosen.push_back(bearing.*springs);
+  for (const auto& bearing : stiffness_of(bearings)) {
+    chosen.push_back(bearing.*springs);
+    for (double& spring : chosen.back()) spring *= bearings.stands_for;
+  }
   return structure.on_springs(chosen);
 }
 
@@ -69,6 +72,7 @@ BearingField::BearingField(const BearingSet& bearings, const VectorXd& weights, 
       weights_{weights},
       vertical_stiffness_{bearings.vertical_stiffness},
       tension_share_{bearings.tension_share},
+      stands_for_{bearings.stands_for},
       damping_time_{damping_time},
       time_step_{time_step},
       least_{weights.minCoeff()},

@@ -26,9 +26,10 @@ void EnergyCount::add_step(const LargePlantAnalysis& plant) noexcept {
   find_forces(plant);
   const auto at = corrected_.col(0), last = last_corrected_.col(0);
   const VectorXd& u = plant.state_.u;
-  energy_.absorbed += work(now_.bearings, before_.bearings, at, last);
+  const double all = plant.bearings_.stands_for();
+  energy_.absorbed += all * work(now_.bearings, before_.bearings, at, last);
   energy_.damped += work(now_.damping, before_.damping, u, last_displacement_) -
-                    work(now_.not_damped, before_.not_damped, at, last);
+                    all * work(now_.not_damped, before_.not_damped, at, last);
   energy_.input -= work(now_.ground, before_.ground, u, last_displacement_);
   find_levels(plant);
   std::swap(now_, before_);
@@ -50,7 +51,8 @@ void EnergyCount::find_levels(const LargePlantAnalysis& plant) noexcept {
   plant.multiply_mass(state.v, product_);
   energy_.kinetic = 0.5 * state.v.dot(product_);
   plant.multiply_stiffness(state.u, product_);
-  energy_.strain = 0.5 * state.u.dot(product_) - plant.bearings_.strain(corrected_);
+  energy_.strain = 0.5 * state.u.dot(product_) -
+                   plant.bearings_.stands_for() * plant.bearings_.strain(corrected_);
 }
 
 }  // namespace rths::plant

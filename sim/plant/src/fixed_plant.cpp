@@ -14,11 +14,12 @@
 namespace rths::plant {
 namespace {
 
-// Without the degrees of freedom of the bearings' nodes.
+// Without the degrees of freedom that move the bearings.
 Structure without_bearings(const Structure& structure) {
   std::vector<Index> kept(static_cast<std::size_t>(structure.dofs()), 0);
-  for (const std::size_t node : structure.bearings)
-    for (const Index dof : structure.nodes[node].dofs) kept[static_cast<std::size_t>(dof)] = kNoDof;
+  const SparseMatrix B = structure.bearing_motion();
+  for (Index dof = 0; dof < B.cols(); ++dof)
+    if (SparseMatrix::InnerIterator{B, dof}) kept[static_cast<std::size_t>(dof)] = kNoDof;
   Index count = 0;
   for (Index& dof : kept)
     if (dof != kNoDof) dof = count++;

@@ -5,7 +5,7 @@ namespace rths::plant {
 namespace {
 
 SparseMatrix on_initial_springs(const Structure& structure, const BearingSet& bearings) {
-  return on_springs(structure, stiffness_of(bearings), &BearingStiffness::initial);
+  return on_springs(structure, bearings, &BearingStiffness::initial);
 }
 
 VectorXd weights_of(const Structure& structure, const BearingSet& bearings) {
@@ -31,17 +31,17 @@ class FullPlant final : public LargePlantAnalysis {
         mass_{structure.mass},
         inertia_{structure.inertia()},
         factor_{effective_mass(structure, bearings, implicit_share())},
-        load_{VectorXd::Zero(structure.dofs())} {
-    for (const std::size_t node : structure.bearings)
-      for (const Index dof : structure.nodes[node].dofs) bearing_dofs_.push_back(dof);
+        load_{VectorXd::Zero(structure.dofs())},
+        bearings_{structure.bearing_motion()},
+        tested_{bearings_.middleRows(static_cast<Index>(kDirections * settings.tested_bearing),
+                                     static_cast<Index>(kDirections))} {
     for (const auto& floor : structure.floors)
       for (const Index dof : structure.nodes[floor.node].dofs) floor_dofs_.push_back(dof);
     if (settings.counts_energy) stiffness_ = on_initial_springs(structure, bearings);
     begin_at_rest(structure.dofs());
     responses_.resize(structure.dofs(), 2);
     for (Index k = 0; k < 2; ++k) {
-      load_.setZero();
-      load_[bearing_dofs_[first_tested() + static_cast<std::size_t>(k)]] = 1;
+      load_ = tested_.transpose() * Eigen::Vector3d::Unit(k);
       factor_.solve(load_, solution_);
       responses_.col(k) = solution_;
     }
@@ -50,26 +50,20 @@ class FullPlant final : public LargePlantAnalysis {
  protected:
   [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME override {
     Eigen::Matrix<double, 3, 2> motion;
-    for (Index k = 0; k < 3; ++k) {
-      const Index dof = bearing_dofs_[first_tested() + static_cast<std::size_t>(k)];
-      motion(k, 0) = state_.predicted_u[dof];
-      motion(k, 1) = state_.predicted_v[dof];
-    }
+    motion.col(0).noalias() = tested_ * state_.predicted_u;
+    motion.col(1).noalias() = tested_ * state_.predicted_v;
     return motion;
   }
   void motion_at_bearings(const VectorXd& u, const VectorXd& v,
                           MatrixXd& motion) const RTHS_REALTIME override {
-    for (std::size_t i = 0; i < bearing_dofs_.size(); ++i) {
-      motion(static_cast<Index>(i), 0) = u[bearing_dofs_[i]];
-      motion(static_cast<Index>(i), 1) = v[bearing_dofs_[i]];
-    }
+    motion.col(0).noalias() = bearings_ * u;
+    motion.col(1).noalias() = bearings_ * v;
   }
   void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME override {
     const double share = implicit_share();
     load_ = mass_.cwiseProduct(state_.w) / share;
     load_.noalias() -= inertia_ * ground;
-    for (std::size_t i = 0; i < bearing_dofs_.size(); ++i)
-      load_[bearing_dofs_[i]] -= correction[static_cast<Index>(i)];
+    load_.noalias() -= bearings_.transpose() * correction.head(bearings_.rows());
     factor_.solve(load_, solution_);
     state_.a = solution_ - state_.w / share;
   }
@@ -92,13 +86,14 @@ class FullPlant final : public LargePlantAnalysis {
   }
 
  private:
-  [[nodiscard]] std::size_t first_tested() const { return kDirections * settings().tested_bearing; }
+  using Rows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
   VectorXd mass_;
   MatrixXd inertia_;
   Factor factor_;
   VectorXd load_, solution_;
-  std::vector<Index> bearing_dofs_, floor_dofs_;
+  Rows bearings_, tested_;  // B, and its rows of the tested bearing
+  std::vector<Index> floor_dofs_;
   MatrixXd responses_;      // to unit forces of the tested bearing
   SparseMatrix stiffness_;  // on initial springs; for the energy alone
 };

@@ -30,16 +30,14 @@ std::string text_of(const sim::Bearing& bearing) {
 }
 
 std::string key_of(const PlantDescription& plant) {
-  return fmt::format("{}; bearings {} of {}; vertical {:.17g}; modes to {:.17g} Hz; tested {}",
-                     plant.key, plant.bearings, text_of(plant.bearing), plant.vertical_stiffness,
-                     plant.frequency_limit, plant.tested_bearing);
-}
-
-BearingSet bearings_of(const PlantDescription& plant) {
-  BearingSet set = BearingSet::all_of(plant.bearing, plant.bearings);
-  set.vertical_stiffness = plant.vertical_stiffness;
-  set.tension_share = plant.tension_share;
-  return set;
+  const BearingSet& bearings = plant.bearings;
+  std::string kinds;
+  for (const auto& kind : bearings.kinds) kinds += text_of(kind) + "; ";
+  return fmt::format(
+      "{}; kinds {}of bearings {}, each for {:.17g}; vertical {:.17g}; modes to {:.17g} Hz; "
+      "tested {}",
+      plant.key, kinds, fmt::join(bearings.kind_of, " "), bearings.stands_for,
+      bearings.vertical_stiffness, plant.frequency_limit, plant.tested_bearing);
 }
 
 void say_that_it_takes_long(const char* what) {
@@ -57,7 +55,8 @@ void check_frequencies(const Basis& basis, const BearingSet& bearings) {
         "are its masses in kg?",
         first, kLeast, kMost)};
   double stiffness = 0;
-  for (const auto& springs : stiffness_of(bearings)) stiffness += springs.initial[0];
+  for (const auto& springs : stiffness_of(bearings))
+    stiffness += bearings.stands_for * springs.initial[0];
   const double found = std::sqrt(basis.stiffness[0]) / (2 * std::numbers::pi),
                rigid = std::sqrt(stiffness / basis.mass[0]) / (2 * std::numbers::pi);
   if (found < kSoftest * rigid)
@@ -100,14 +99,20 @@ void require_no_substeps(const sim::AnalysisSettings& settings) {
 
 PlantDescription describe(const AntDesign& design, const sim::Bearing& bearing) {
   PlantDescription plant;
-  plant.structure = [design] { return assemble(mesh_of(design)); };
+  const bool has_all = design.bearings == kAntBearings;
+  plant.structure = [design, has_all] {
+    const AntMesh mesh = mesh_of(design);
+    return has_all ? assemble(mesh) : assemble_on_rigid_mat(mesh, design.bearings);
+  };
   plant.key =
       fmt::format("ant {} {} {}; masses {:.17g}; frequencies {:.17g}; {:.17g} Pa {:.17g}",
                   design.plan, design.mat_layers, design.levels, fmt::join(design.masses, " "),
                   fmt::join(design.frequencies, " "), design.basemat_modulus, design.poisson_ratio);
+  if (!has_all) plant.key += "; rigid mat";
   plant.floors.assign(kAntFloors.begin(), kAntFloors.end());
-  plant.bearings = kAntBearings;
-  plant.bearing = bearing;
+  plant.bearings = BearingSet::all_of(bearing, design.bearings);
+  plant.bearings.stands_for =
+      static_cast<double>(kAntBearings) / static_cast<double>(design.bearings);
   return plant;
 }
 
@@ -122,22 +127,24 @@ std::optional<std::filesystem::path> cache_folder() {
 LargePlant::LargePlant(PlantDescription description, std::optional<std::filesystem::path> cache)
     : description_{std::move(description)},
       cache_{std::move(cache)},
-      bearings_{bearings_of(description_)},
       basis_{basis_for(cache_, key_of(description_), [this] {
         say_that_it_takes_long("plant");
         const Structure structure = description_.structure();
         check(structure);
-        return make_basis(structure, bearings_,
+        return make_basis(structure, description_.bearings,
                           {description_.frequency_limit, true, description_.tested_bearing});
       })} {
-  check_frequencies(basis_, bearings_);
+  check_frequencies(basis_, description_.bearings);
 }
 
 std::string LargePlant::summary() const {
+  const auto places = static_cast<double>(basis_.weights.size());
+  const double bearings = places * description_.bearings.stands_for;
   return fmt::format(
-      "plant: {} degrees of freedom in {} coordinates, {:.0f} t on {} bearings that carry "
+      "plant: {} degrees of freedom in {} coordinates, {:.0f} t on {:.0f} bearings{} that carry "
       "{:.3g} to {:.3g} MN; the tested one carries {:.3g} MN; {:.3g} Hz on yielded bearings",
-      basis_.dofs, basis_.coordinates(), basis_.mass[0] * 1e-3, description_.bearings,
+      basis_.dofs, basis_.coordinates(), basis_.mass[0] * 1e-3, bearings,
+      bearings > places ? fmt::format(", modelled by {},", places) : "",
       basis_.weights.minCoeff() * 1e-6, basis_.weights.maxCoeff() * 1e-6, weight() * 1e-6,
       basis_.frequencies[0]);
 }
@@ -147,8 +154,9 @@ std::unique_ptr<sim::Substructure> LargePlant::analysis(
   require_no_substeps(settings);
   const PlantSettings plant = settings_of(description_, settings);
   if (description_.is_full)
-    return make_full(description_.structure(), bearings_, settings.motion, plant);
-  return make_reduced(basis_, bearings_, settings.motion, named(description_.floors), plant);
+    return make_full(description_.structure(), description_.bearings, settings.motion, plant);
+  return make_reduced(basis_, description_.bearings, settings.motion, named(description_.floors),
+                      plant);
 }
 
 std::unique_ptr<sim::Substructure> LargePlant::analysis_on_fixed_base(

@@ -102,7 +102,8 @@ void LargePlantAnalysis::work_ahead() noexcept {
   bearing_motion(bearing_motion_);
   bearings_.advance(bearing_motion_, settings_.tested_bearing, correction_);
   const double alpha = settings_.alpha;
-  mixed_correction_ = (1 + alpha) * correction_ - alpha * last_correction_;
+  mixed_correction_ =
+      bearings_.stands_for() * ((1 + alpha) * correction_ - alpha * last_correction_);
   const Eigen::Vector3d ground = ground_at(motion_, time());
   solve((1 + alpha) * ground - alpha * ground_, mixed_correction_);
   ground_ = ground;
@@ -114,7 +115,7 @@ void LargePlantAnalysis::correct(std::span<const double> force) noexcept {
   const Eigen::Matrix<double, 3, 2> motion = tested_motion();
   const Eigen::Vector2d correction = bearings_.correction_for(
       tested, {force[0], force[1]}, motion.col(0).head<2>(), motion.col(1).head<2>());
-  add_tested((1 + settings_.alpha) * correction);
+  add_tested(bearings_.stands_for() * (1 + settings_.alpha) * correction);
   correction_.segment<2>(row_of(tested)) = correction;
   last_correction_ = correction_;
   const double h = settings_.time_step;

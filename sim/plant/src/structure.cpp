@@ -61,13 +61,25 @@ SparseMatrix Structure::on_springs(const std::vector<std::array<double, 3>>& spr
   if (springs.size() != bearings.size())
     throw Error{fmt::format("plant: {} bearings are given, but the structure has {}",
                             springs.size(), bearings.size())};
-  VectorXd added = VectorXd::Zero(dofs());
-  for (std::size_t i = 0; i < bearings.size(); ++i)
-    for (std::size_t k = 0; k < kDirections; ++k)
-      added[nodes[bearings[i]].dofs[k]] += springs[i][k];
-  SparseMatrix sum = stiffness;
-  sum.diagonal() += added;
-  return sum;
+  VectorXd diagonal(std::ssize(springs) * 3);
+  for (std::size_t i = 0; i < springs.size(); ++i)
+    diagonal.segment<3>(static_cast<Index>(kDirections * i)) =
+        Eigen::Vector3d::Map(springs[i].data());
+  const SparseMatrix B = bearing_motion();
+  const SparseMatrix forces = diagonal.asDiagonal() * B;
+  const SparseMatrix added = B.transpose() * forces;
+  return stiffness + added;
+}
+
+SparseMatrix Structure::bearing_motion() const {
+  if (bearing_map.rows() > 0) return bearing_map;
+  std::vector<Eigen::Triplet<double>> entries;
+  Index row = 0;
+  for (const std::size_t node : bearings)
+    for (const Index dof : nodes[node].dofs) entries.emplace_back(row++, dof, 1);
+  SparseMatrix map(row, dofs());
+  map.setFromTriplets(entries.begin(), entries.end());
+  return map;
 }
 
 void check(const Structure& structure) {
@@ -87,8 +99,9 @@ void check(const Structure& structure) {
   }
   check_symmetry(K);
   if (structure.bearings.empty()) throw Error{"the structure has no bearings, expected at least 1"};
-  for (std::size_t i = 0; i < structure.bearings.size(); ++i)
-    check_node(structure, structure.bearings[i], fmt::format("bearing {}", i + 1));
+  if (structure.bearing_map.rows() == 0)
+    for (std::size_t i = 0; i < structure.bearings.size(); ++i)
+      check_node(structure, structure.bearings[i], fmt::format("bearing {}", i + 1));
   for (const auto& floor : structure.floors)
     check_node(structure, floor.node, "floor '" + floor.name + "'");
 }

@@ -198,6 +198,8 @@ Structure read_structure(const StructureFiles& files) {
 
 void write_structure(const Structure& structure, const StructureFiles& files) {
   check(structure);
+  if (structure.bearing_map.rows() > 0)
+    throw Error{"the structure has a rigid mat, expected bearings at nodes of their own"};
   Replacements replacements;
   replacements.add(files.stiffness, lower_triangle_text(structure.stiffness));
   replacements.add(files.mass, diagonal_text(structure.mass));

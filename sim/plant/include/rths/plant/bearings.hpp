@@ -15,25 +15,27 @@ struct BearingSet {
   std::vector<std::size_t> kind_of;  ///< of each bearing of the structure
   double vertical_stiffness = 8e9;   ///< of one bearing in compression [N/m]
   double tension_share = 0.01;       ///< of it, once the bearing lifts off [-]
+  /// Real bearings that each stands for: force, stiffness and weight of one, times this, act on the
+  /// structure [-].
+  double stands_for = 1;
 
   /// The same bearing everywhere.
   [[nodiscard]] static BearingSet all_of(const sim::Bearing& bearing, std::size_t count);
 };
 
-/// Linear springs of a bearing, for a basis: long, lat and vertical [N/m].
+/// Linear springs of one bearing, for a basis: long, lat and vertical [N/m].
 struct BearingStiffness {
   std::array<double, kDirections> initial{};     ///< largest, implicit in the integration
   std::array<double, kDirections> post_yield{};  ///< tangent at a large displacement
 };
 /// @throws Error if a bearing has no stiffness or no kind   @setup
 [[nodiscard]] std::vector<BearingStiffness> stiffness_of(const BearingSet& bearings);
-/// K on these springs, for instance on `&BearingStiffness::initial`.
-/// @throws Error as Structure::on_springs   @setup
-[[nodiscard]] SparseMatrix on_springs(const Structure& structure,
-                                      const std::vector<BearingStiffness>& bearings,
+/// K on the springs of all bearings, for instance on `&BearingStiffness::initial`.
+/// @throws Error as stiffness_of and Structure::on_springs   @setup
+[[nodiscard]] SparseMatrix on_springs(const Structure& structure, const BearingSet& bearings,
                                       std::array<double, kDirections> BearingStiffness::*springs);
 
-/// What the bearings add to their initial stiffness and to its damping a₁ k, in every time step:
+/// What each bearing adds to its initial stiffness and to its damping a₁ k, in every time step:
 ///     d = f(u, v) − k (u + a₁ v)                      horizontally
 ///     d = (1 − tension share) min(weight − k (u + a₁ v), 0)   vertically: lift-off alone
 class BearingField {
@@ -66,6 +68,8 @@ class BearingField {
   void damping(const MatrixXd& motion, VectorXd& forces) const RTHS_REALTIME;
   /// Strain energy of the initial springs at a displacement [J].
   [[nodiscard]] double strain(const MatrixXd& motion) const RTHS_REALTIME;
+  /// Real bearings that each stands for [-].
+  [[nodiscard]] double stands_for() const RTHS_REALTIME { return stands_for_; }
   /// Bearings that have lifted off in any step so far.
   [[nodiscard]] std::size_t lifted() const;
   /// Smallest and largest compression so far [N].
@@ -80,7 +84,7 @@ class BearingField {
   std::vector<double> stiffness_;  ///< horizontal, initial, of each [N/m]
   std::vector<char> has_lifted_;
   VectorXd weights_;
-  double vertical_stiffness_, tension_share_, damping_time_, time_step_;
+  double vertical_stiffness_, tension_share_, stands_for_, damping_time_, time_step_;
   double time_ = 0, least_, largest_;
 };
 

@@ -17,17 +17,14 @@ struct PlantDescription {
   std::function<Structure()> structure;
   std::string key;  ///< differs for different structures, such as the numbers that define one
   std::vector<std::string> floors;
-  sim::Bearing bearing;  ///< all of the bearings but the tested one, under the mean weight
-  std::size_t bearings = 0;
-  double vertical_stiffness = 8e9;                      ///< of one bearing in compression [N/m]
-  double tension_share = 0.01;                          ///< of it, once the bearing lifts off [-]
+  BearingSet bearings;                                  ///< under the mean weight
   double frequency_limit = 50;                          ///< of the modes [Hz]
   double damping_ratio = 0.02, damping_frequency = 10;  ///< see PlantSettings
   std::size_t tested_bearing = 0;
   bool is_full = false;  ///< all degrees of freedom in each step, for reference
 };
 
-/// The plant family: its floors, and a key of its design.   @setup
+/// The plant family: its floors, and a key of its design. All bearings are alike.   @setup
 [[nodiscard]] PlantDescription describe(const AntDesign& design, const sim::Bearing& bearing);
 
 /// Where bases are kept: XDG_CACHE_HOME, otherwise HOME/.cache, otherwise none.
@@ -49,7 +46,7 @@ class LargePlant final : public sim::StructureModel {
   [[nodiscard]] double weight() const override {
     return basis_.weights[static_cast<Index>(description_.tested_bearing)];
   }
-  [[nodiscard]] bool overturns() const override { return true; }
+  [[nodiscard]] bool overturns() const override { return basis_.weights.size() > 1; }
   [[nodiscard]] std::string summary() const override;
 
   [[nodiscard]] const Basis& basis() const { return basis_; }
@@ -58,7 +55,6 @@ class LargePlant final : public sim::StructureModel {
  private:
   PlantDescription description_;
   std::optional<std::filesystem::path> cache_;
-  BearingSet bearings_;
   Basis basis_;
 };
 
