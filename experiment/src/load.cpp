@@ -134,6 +134,8 @@ void read_parts(const Config& file, std::span<const AdapterKind> kinds,
   experiment.seed = static_cast<std::uint64_t>(file.integer_in("seed", 0, 1LL << 53, 1));
   read_earthquakes(file, experiment);
   experiment.plant = read_plant(file);
+  if (const auto sketch = experiment.plant.structure->sketch())
+    experiment.config.emplace_back(recording::kStructureText, structure_text(*sketch));
   read_laboratory(file, improvement, experiment);
   if (file.has("targets"))
     experiment.history =

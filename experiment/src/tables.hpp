@@ -48,6 +48,8 @@ void read_laboratory(const Config& file, const std::string& improvement, Experim
 /// [node.…]
 [[nodiscard]] std::vector<NodePlan> read_nodes(std::span<const AdapterKind> kinds,
                                                const Config& table, const Experiment& experiment);
+/// Nodes, modes and bearings for the pictures of a report, as JSON.
+[[nodiscard]] std::string structure_text(const sim::StructureSketch& sketch);
 /// [host.…] and [network], `fidelity`, [cards] and [[fault]]
 void read_ring(const Config& file, Experiment& experiment);
 /// @throws Error if the handshake takes longer than a step

@@ -343,6 +343,19 @@ std::vector<double> targets_of(const Reader& run, const Roles& roles) {
   return flag;
 }
 
+StructureAnalysis analyse_structure(const Reader& run, const std::string& solver, double step) {
+  StructureAnalysis found{run.config(recording::kStructureText), step, {}, {}, 0};
+  const std::string monitor = "monitor." + solver + ".";
+  if (!run.has(monitor + "bearings.lifted")) return found;
+  const auto at_targets = [&](const char* name) {
+    return at_each_count(run.signal(monitor + "step"), run.signal(monitor + name));
+  };
+  found.least = at_targets("bearings.least_load");
+  found.largest = at_targets("bearings.largest_load");
+  found.lifted = largest(at_targets("bearings.lifted"));
+  return found;
+}
+
 Analysis analyse(const std::filesystem::path& folder) {
   const Reader run{folder / kRunFile};
   if (run.rows() < 2) throw Error{(folder / kRunFile).string() + ": contains no motion"};
@@ -371,6 +384,7 @@ Analysis analyse(const std::filesystem::path& folder) {
                                            {given(numerical), given(improved)});
   analysis.spectra =
       analyse_spectra(run, roles.solver, test.integration_step, given(numerical), given(improved));
+  analysis.structure = analyse_structure(run, roles.solver, test.integration_step);
   analysis.left_out = std::move(found.left_out);
   for (auto& one : left_out_of(analysis, roles, uncompensated.has_value(), numerical.has_value()))
     analysis.left_out.push_back(std::move(one));

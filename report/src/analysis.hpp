@@ -177,6 +177,14 @@ struct SpectraAnalysis {
   std::vector<FloorSpectra> floors;
 };
 
+/// A large structure, and the loads of its bearings during the test.
+struct StructureAnalysis {
+  std::string sketch;                  ///< JSON, as recorded; empty: none
+  double interval = 0;                 ///< of the loads [s]
+  std::vector<double> least, largest;  ///< load of any bearing at each target [N]
+  double lifted = 0;                   ///< most bearings that pulled at a time
+};
+
 struct Analysis {
   RunDescription test;
   RunTiming timing;
@@ -188,6 +196,7 @@ struct Analysis {
   std::vector<SafetyChange> safety;  ///< none: the machine has no safety layer
   CompanionAnalysis companions;
   SpectraAnalysis spectra;
+  StructureAnalysis structure;
   std::vector<LeftOut> left_out;  ///< sections
   std::optional<Beside> beside;
   std::vector<Broken> broken;  ///< conditions of a conclusive test; none: the test is conclusive

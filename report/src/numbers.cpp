@@ -338,6 +338,7 @@ Json numbers_of(const Analysis& analysis) {
   for (const auto& axis : analysis.axes) json["axes"][axis.name] = axis_numbers(axis, analysis);
   json["vertical"] = vertical_numbers(analysis.vertical);
   json["beside"] = beside_numbers(analysis.beside);
+  if (!analysis.structure.least.empty()) json["bearings_lifted"] = analysis.structure.lifted;
   json["floors"] = Json::object();
   for (const auto& floor : analysis.spectra.floors)
     json["floors"][floor.floor] = floor_numbers(floor, analysis.spectra.frequencies);

@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 inline constexpr double kPercent = 100;   ///< fraction to %
 inline constexpr double kMilli = 1e3;     ///< s to ms, m to mm
 inline constexpr double kPerKilo = 1e-3;  ///< N to kN
+inline constexpr double kPerMega = 1e-6;  ///< N to MN
 
 /// A JSON list of converted items.
 template <class Items, class Make>

@@ -84,6 +84,16 @@ Json floor_data(const FloorSpectra& floor) {
            })}};
 }
 
+// The sketch is that of a recording, and may be of any program.
+Json structure_data(const StructureAnalysis& structure) {
+  const Json sketch = Json::parse(structure.sketch, nullptr, false);
+  const Series least{structure.interval, structure.interval, structure.least},
+      largest{structure.interval, structure.interval, structure.largest};
+  return {{"sketch", sketch.is_object() ? sketch : Json(nullptr)},
+          {"least_MN", series(least, kPerMega)},
+          {"largest_MN", series(largest, kPerMega)}};
+}
+
 Json page_data(const Analysis& analysis, const Json& numbers) {
   Json data;
   data["numbers"] = numbers;
@@ -101,6 +111,7 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
   data["steps"] = steps_data(analysis.steps);
   data["host_late_ms"] = series(analysis.hosts.late, kMilli, true);
   data["frequencies_Hz"] = packed(analysis.spectra.frequencies);
+  data["structure"] = structure_data(analysis.structure);
   data["floors"] = each(analysis.spectra.floors, floor_data);
   return data;
 }
@@ -110,7 +121,7 @@ std::string page_of(const Analysis& analysis, const Json& numbers) {
   return assemble({web::kReportHtml,
                    {web::kReportCss, web::kVerdictCss},
                    {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
-                    web::kSentenceJs, web::kReportJs}},
+                    web::kChartsJs, web::kSentenceJs, web::kStructureJs, web::kReportJs}},
                   page_data(analysis, numbers));
 }
 

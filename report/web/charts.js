@@ -287,5 +287,5 @@ const charts = (() => {
     return grid;
   };
 
-  return { histogram, timeStrip, stateMap, bandCurve, correlogram, rows, heat, rampKey, percent, scale };
+  return { svg, text, responsive, histogram, timeStrip, stateMap, bandCurve, correlogram, rows, heat, rampKey, percent, scale };
 })();

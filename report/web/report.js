@@ -240,6 +240,21 @@
     ], { height: 220 });
   };
 
+  // A large structure: loads at rest and during the test, and its first modes.
+  const largeStructure = () => {
+    const s = data.structure;
+    if (!structure.draw("structure", s.sketch)) return;
+    byId("structure-section").hidden = false;
+    byId("structure-text").textContent = "The structure's bearings and its first modes on their initial stiffness. Grey: at rest. " +
+      `During the test, at most ${n.bearings_lifted} of its bearings lifted off at a time.`;
+    const least = unpack(s.least_MN.values);
+    if (!least.length) return;
+    lines("structure-loads", "Loads of the bearings during the test", times(s.least_MN), "model time [s]", "load [MN]", [
+      { ...styled("numerical", "largest"), y: unpack(s.largest_MN.values), width: 1.2 },
+      { ...styled("hybrid", "least"), y: least, width: 1.2 },
+    ], { height: 200, group: figures.group("") });
+  };
+
   const floors = () => {
     if (!data.floors.length) return;
     byId("floor-text").textContent = `5\u2009% damping, at elevation ${n.spectrum_elevation_m}\u2009m: the largest magnitude over ` +
@@ -307,6 +322,6 @@
       el("code", { textContent: n.command }), ".");
   };
 
-  for (const draw of [found, changes, header, response, safety, tracking, bands, vertical, ats, steps, floors, host, numbers, scope, leftOut]) draw();
+  for (const draw of [found, changes, header, response, safety, tracking, bands, vertical, ats, steps, largeStructure, floors, host, numbers, scope, leftOut]) draw();
   plots.done();
 })();

@@ -313,7 +313,8 @@ BearingResponse response_in(const Experiment& experiment, const recording::Reade
     const auto floor = fmt::format("monitor.{}.floor.{}.accel.", solver.node, i + 1);
     response.floors.push_back({solver.settings.solver.floors[i],
                                answers(floor + name_of(kHorizontal[0])),
-                               answers(floor + name_of(kHorizontal[1]))});
+                               answers(floor + name_of(kHorizontal[1])),
+                               {}});
   }
   if (!response.floors.empty())
     response.ground = ground_of(experiment.earthquake.motion, step, count);

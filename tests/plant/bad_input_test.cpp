@@ -59,7 +59,7 @@ TEST_F(BadPlant, NeedsMoreMemoryThanThereIs) {
   const auto factorise_with_little = [] {
     const auto& large = test::large_plant();
     const SparseMatrix matrix =
-        on_springs(large.structure, stiffness_of(large.bearings), &BearingStiffness::initial);
+        on_springs(large.structure, large.bearings, &BearingStiffness::initial);
     std::ifstream pages{"/proc/self/statm"};
     rlim_t used = 0;
     pages >> used;

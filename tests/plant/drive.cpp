@@ -30,7 +30,7 @@ Response drive(LargePlantAnalysis& plant, const sim::Bearing& tested, double tim
   std::array<double, 3> target{}, rate{}, force{};
   std::vector<double> monitored(plant.monitors().size());
   Response response{time_step, MatrixXd(steps, 2), MatrixXd(steps, 1),
-                    MatrixXd(steps, static_cast<Index>(monitored.size()) - 3)};
+                    MatrixXd(steps, static_cast<Index>(monitored.size()) - 6)};
   for (Index i = 0; i < steps; ++i) {
     plant.predict(target, rate);
     plant.work_ahead();

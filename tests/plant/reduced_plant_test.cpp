@@ -134,17 +134,18 @@ TEST(FullPlant, IsRealTime) {
   expect_real_time(*make_full(structure, bearings, test::petrolia(), counting_settings()));
 }
 
-TEST(ReducedPlant, MonitorsTheGroundAndEachFloor) {
+TEST(ReducedPlant, MonitorsTheGroundEachFloorAndTheLoads) {
   const auto& [mesh, structure, bearings] = large_plant();
   const auto plant =
       make_reduced(large_basis(), bearings, test::petrolia(), structure.floors, settings());
 
   const auto monitors = plant->monitors();
 
-  ASSERT_EQ(monitors.size(), 12U);
+  ASSERT_EQ(monitors.size(), 15U);
   EXPECT_EQ(monitors[0].name, "ground.accel.long");
   EXPECT_EQ(monitors[11].name, "floor.3.accel.vert");
   EXPECT_EQ(monitors[11].unit, "m/s2");
+  EXPECT_EQ(monitors[12].name, "bearings.least_load");
 }
 
 TEST(Basis, KnowsTheWeightsOfTheBearingsAndTheMass) {

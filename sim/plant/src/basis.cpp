@@ -13,6 +13,8 @@
 namespace rths::plant {
 namespace {
 
+constexpr std::size_t kNodesOfPicture = 500;
+constexpr Index kModesOfPicture = 4;
 constexpr int kPasses = 3;         // of Gram-Schmidt
 constexpr double kOwnPart = 1e-9;  // of a vector that the others do not contain, at least
 
@@ -80,12 +82,34 @@ void append(const std::vector<VectorXd>& vectors, const VectorXd& mass, MatrixXd
   basis.conservativeResize(Eigen::NoChange, count);
 }
 
-MatrixXd at_floors(const MatrixXd& shapes, const Structure& structure) {
-  MatrixXd rows(std::ssize(structure.floors) * static_cast<Index>(kDirections), shapes.cols());
+MatrixXd at_nodes(const MatrixXd& shapes, const Structure& structure,
+                  const std::vector<std::size_t>& nodes) {
+  MatrixXd rows(std::ssize(nodes) * static_cast<Index>(kDirections), shapes.cols());
   Index row = 0;
-  for (const auto& floor : structure.floors)
-    for (const Index dof : structure.nodes[floor.node].dofs) rows.row(row++) = shapes.row(dof);
+  for (const std::size_t node : nodes)
+    for (const Index dof : structure.nodes[node].dofs) rows.row(row++) = shapes.row(dof);
   return rows;
+}
+
+MatrixXd places_of(const Structure& structure, const std::vector<std::size_t>& nodes) {
+  MatrixXd places(3, std::ssize(nodes));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    places.col(static_cast<Index>(i)) =
+        Eigen::Vector3d::Map(structure.nodes[nodes[i]].place.data());
+  return places;
+}
+
+// Every so many of the nodes that move in all directions.
+std::vector<std::size_t> nodes_of_picture(const Structure& structure) {
+  std::vector<std::size_t> moving;
+  for (std::size_t i = 0; i < structure.nodes.size(); ++i) {
+    const auto& dofs = structure.nodes[i].dofs;
+    if (std::find(dofs.begin(), dofs.end(), kNoDof) == dofs.end()) moving.push_back(i);
+  }
+  const std::size_t stride = (moving.size() + kNodesOfPicture - 1) / kNodesOfPicture;
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < moving.size(); i += stride) chosen.push_back(moving[i]);
+  return chosen;
 }
 
 }  // namespace
@@ -126,11 +150,18 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
   const maths::Modes principal = maths::symmetric_modes(0.5 * (reduced + reduced.transpose()));
   basis.stiffness = principal.values;
   basis.bearings = (structure.bearing_motion() * shapes) * principal.vectors;
-  basis.floors = at_floors(shapes, structure) * principal.vectors;
+  std::vector<std::size_t> floors;
+  for (const auto& floor : structure.floors) floors.push_back(floor.node);
+  basis.floors = at_nodes(shapes, structure, floors) * principal.vectors;
   basis.participation = principal.vectors.transpose() * (shapes.transpose() * structure.inertia());
   basis.weights = static_weights(structure, bearings, on_initial);
   for (std::size_t k = 0; k < kDirections; ++k) basis.mass[k] = structure.mass_along(k);
   basis.dofs = structure.dofs();
+  const auto drawn = nodes_of_picture(structure);
+  basis.nodes = places_of(structure, drawn);
+  basis.bearing_places = places_of(structure, structure.bearings);
+  basis.shapes = at_nodes(shapes, structure, drawn) *
+                 principal.vectors.leftCols(std::min(kModesOfPicture, shapes.cols()));
   return basis;
 }
 

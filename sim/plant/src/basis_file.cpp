@@ -70,13 +70,19 @@ void visit_matrices(Of& basis, const Visit& visit) {
   visit(basis.participation);
   visit(basis.weights);
   visit(basis.frequencies);
+  visit(basis.nodes);
+  visit(basis.bearing_places);
+  visit(basis.shapes);
 }
 
 bool fits(const Basis& basis) {
   const Index m = basis.coordinates();
   return basis.bearings.cols() == m && basis.floors.cols() == m &&
          basis.participation.rows() == m && basis.participation.cols() == 3 &&
-         basis.bearings.rows() == 3 * basis.weights.size() && basis.frequencies.size() <= m;
+         basis.bearings.rows() == 3 * basis.weights.size() && basis.frequencies.size() <= m &&
+         basis.nodes.rows() == 3 && basis.bearing_places.rows() == 3 &&
+         basis.bearing_places.cols() == basis.weights.size() && basis.shapes.cols() <= m &&
+         basis.shapes.rows() == 3 * basis.nodes.cols();
 }
 
 }  // namespace

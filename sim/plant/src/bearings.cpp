@@ -77,6 +77,7 @@ BearingField::BearingField(const BearingSet& bearings, const VectorXd& weights, 
       time_step_{time_step},
       least_{weights.minCoeff()},
       largest_{weights.maxCoeff()} {
+  loads_ = {least_, largest_, 0};
   for (const auto& kind : bearings.kinds) {
     sim::require_given_load(kind);
     kinds_.emplace_back(kind.terms, time_step);
@@ -93,12 +94,16 @@ BearingField::BearingField(const BearingSet& bearings, const VectorXd& weights, 
 void BearingField::advance(const MatrixXd& motion, std::size_t tested,
                            VectorXd& correction) noexcept {
   time_ += time_step_;
+  loads_ = {compression(0, motion(2, 0)), compression(0, motion(2, 0)), 0};
   for (std::size_t i = 0; i < kind_of_.size(); ++i) {
     const auto row = static_cast<Index>(kDirections * i);
     const double load = compression(i, motion(row + 2, 0));
-    least_ = std::min(least_, load);
-    largest_ = std::max(largest_, load);
-    if (load < 0) has_lifted_[i] = 1;
+    loads_.least = std::min(loads_.least, load);
+    loads_.largest = std::max(loads_.largest, load);
+    if (load < 0) {
+      has_lifted_[i] = 1;
+      ++loads_.lifted;
+    }
     // Up is positive: a lifted bearing pulls down less than k u + a₁ k v.
     const double carried = load - damping_time_ * vertical_stiffness_ * motion(row + 2, 1);
     correction[row + 2] = carried < 0 ? carried * (1 - tension_share_) : 0;
@@ -119,6 +124,8 @@ void BearingField::advance(const MatrixXd& motion, std::size_t tested,
           q.force[static_cast<std::size_t>(k)] -
           stiffness_[i] * (motion(row + k, 0) + damping_time_ * motion(row + k, 1));
   }
+  least_ = std::min(least_, loads_.least);
+  largest_ = std::max(largest_, loads_.largest);
 }
 
 void BearingField::forces(const MatrixXd& motion, const VectorXd& correction,

@@ -149,6 +149,21 @@ std::string LargePlant::summary() const {
       basis_.frequencies[0]);
 }
 
+std::optional<sim::StructureSketch> LargePlant::sketch() const {
+  sim::StructureSketch sketch;
+  sketch.nodes = basis_.nodes;
+  sketch.bearings = basis_.bearing_places;
+  sketch.loads = basis_.weights;
+  sketch.tested = description_.tested_bearing;
+  sketch.shapes = basis_.shapes;
+  const Index modes = basis_.shapes.cols();
+  sketch.frequencies = basis_.stiffness.head(modes).cwiseSqrt() / (2 * std::numbers::pi);
+  const auto mass = Eigen::RowVector3d::Map(basis_.mass.data());
+  sketch.mass_shares =
+      basis_.participation.topRows(modes).array().square().rowwise() / mass.array();
+  return sketch;
+}
+
 std::unique_ptr<sim::Substructure> LargePlant::analysis(
     const sim::AnalysisSettings& settings) const {
   require_no_substeps(settings);

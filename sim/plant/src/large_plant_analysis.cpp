@@ -125,12 +125,21 @@ void LargePlantAnalysis::correct(std::span<const double> force) noexcept {
 }
 
 std::vector<sim::MonitoredQuantity> LargePlantAnalysis::monitors() const {
-  return monitors_of(floors_);
+  auto monitors = monitors_of(floors_);
+  monitors.push_back({"bearings.least_load", "N"});
+  monitors.push_back({"bearings.largest_load", "N"});
+  monitors.push_back({"bearings.lifted", "1"});
+  return monitors;
 }
 
 void LargePlantAnalysis::monitor(std::span<double> values) const noexcept {
   floor_motion(floor_acceleration_);
-  write_monitors(ground_, floor_acceleration_, values);
+  const std::size_t motions = values.size() - 3;
+  write_monitors(ground_, floor_acceleration_, values.first(motions));
+  const BearingField::Loads& loads = bearings_.loads();
+  values[motions] = loads.least;
+  values[motions + 1] = loads.largest;
+  values[motions + 2] = loads.lifted;
 }
 
 }  // namespace rths::plant

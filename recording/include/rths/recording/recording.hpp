@@ -41,6 +41,9 @@ inline constexpr const char* kModelText = "model";
 /// Name of the text of /config with the assumed model of the specimen alone: a bearing's file.
 inline constexpr const char* kSpecimenText = "specimen";
 
+/// Name of the text of /config with nodes, modes and bearings of a large structure, as JSON.
+inline constexpr const char* kStructureText = "structure";
+
 struct RecordingInfo {
   NamedTexts config;                            ///< file name, content
   NamedTexts meta;                              ///< time, host, versions

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,17 @@ struct AnalysisSettings {
   int substeps = 1;  ///< of the integration between targets
 };
 
+/// What a picture of a structure shows: some of its nodes, its first modes, and its bearings.
+struct StructureSketch {
+  Eigen::Matrix3Xd nodes, bearings;  ///< places: long, lat and up [m]
+  Eigen::VectorXd loads;             ///< of each bearing at rest [N]
+  std::size_t tested = 0;            ///< bearing
+  /// Modes on the bearings' initial stiffness: motion of the nodes, 3·nodes × modes, of any size.
+  Eigen::MatrixXd shapes;
+  Eigen::VectorXd frequencies;  ///< [Hz]
+  Eigen::MatrixXd mass_shares;  ///< of the mass that moves in long, lat and up, modes × 3 [-]
+};
+
 /// A structure on bearings, one of which is the specimen. Each analysis of it is a substructure of
 /// its own, whose monitors are the accelerations of the ground and of the floors.
 class StructureModel {
@@ -45,6 +57,8 @@ class StructureModel {
   [[nodiscard]] virtual bool overturns() const = 0;
   /// Its size and weight in a line, for a user to check their units; empty: none is needed.
   [[nodiscard]] virtual std::string summary() const { return ""; }
+  /// None for a structure that is too small for a picture.
+  [[nodiscard]] virtual std::optional<StructureSketch> sketch() const { return std::nullopt; }
   /// Of a structure that is small enough to solve in every frequency; null for others.
   [[nodiscard]] virtual const PlantMatrices* matrices() const { return nullptr; }
 };

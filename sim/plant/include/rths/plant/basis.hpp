@@ -29,6 +29,8 @@ struct Basis {
   VectorXd frequencies;                    ///< of the modes on post-yield springs [Hz]
   std::array<double, kDirections> mass{};  ///< of the structure in each direction [kg]
   Index dofs = 0;                          ///< of the structure
+  MatrixXd nodes, bearing_places;          ///< for pictures: some nodes; bearings, 3 × each [m]
+  MatrixXd shapes;                         ///< first coordinates at these nodes, 3·nodes × modes
 
   [[nodiscard]] Index coordinates() const { return stiffness.size(); }
   [[nodiscard]] Index static_vectors() const { return coordinates() - frequencies.size(); }

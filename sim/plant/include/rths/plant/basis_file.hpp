@@ -11,7 +11,7 @@
 namespace rths::plant {
 
 /// Format version of the file of a basis. Bump it when its content or its meaning changes.
-inline constexpr int kBasisFormat = 1;
+inline constexpr int kBasisFormat = 2;
 
 /// The basis of a file; none if there is no such file, or if it is damaged or of another key.
 /// @setup

@@ -70,6 +70,12 @@ class BearingField {
   [[nodiscard]] double strain(const MatrixXd& motion) const RTHS_REALTIME;
   /// Real bearings that each stands for [-].
   [[nodiscard]] double stands_for() const RTHS_REALTIME { return stands_for_; }
+  /// Of the last motion.
+  struct Loads {
+    double least = 0, largest = 0;  ///< compression of a bearing [N]
+    double lifted = 0;              ///< bearings that pull [-]
+  };
+  [[nodiscard]] const Loads& loads() const RTHS_REALTIME { return loads_; }
   /// Bearings that have lifted off in any step so far.
   [[nodiscard]] std::size_t lifted() const;
   /// Smallest and largest compression so far [N].
@@ -83,6 +89,7 @@ class BearingField {
   std::vector<double> states_;     ///< of all bearings
   std::vector<double> stiffness_;  ///< horizontal, initial, of each [N/m]
   std::vector<char> has_lifted_;
+  Loads loads_;
   VectorXd weights_;
   double vertical_stiffness_, tension_share_, stands_for_, damping_time_, time_step_;
   double time_ = 0, least_, largest_;

@@ -48,6 +48,7 @@ class LargePlant final : public sim::StructureModel {
   }
   [[nodiscard]] bool overturns() const override { return basis_.weights.size() > 1; }
   [[nodiscard]] std::string summary() const override;
+  [[nodiscard]] std::optional<sim::StructureSketch> sketch() const override;
 
   [[nodiscard]] const Basis& basis() const { return basis_; }
   [[nodiscard]] const PlantDescription& description() const { return description_; }

@@ -59,7 +59,7 @@ class LargePlantAnalysis : public sim::Substructure {
   [[nodiscard]] double time() const RTHS_REALTIME override {
     return static_cast<double>(steps_) * settings_.time_step;
   }
-  /// Acceleration of the ground and of each floor: long, lat, vert.
+  /// Acceleration of the ground and of each floor: long, lat, vert; then loads of the bearings.
   [[nodiscard]] std::vector<sim::MonitoredQuantity> monitors() const override;
   void monitor(std::span<double> values) const RTHS_REALTIME override;
 
