@@ -25,11 +25,14 @@ std::filesystem::path specimen_file(const Config& file) {
 
 }  // namespace
 
-Config read_specimen(const Config& file) {
-  const Config changes = file.table_or_empty("specimen");
-  const Config bearing = Config::load(specimen_file(file));
+Config read_bearing_with(const Config& changes) {
+  const Config bearing = Config::load(find_file(changes, "model", "bearings", kDefaultSpecimen));
   check_units(changes, bearing);
   return bearing.overlaid(changes);
+}
+
+Config read_specimen(const Config& file) {
+  return read_bearing_with(file.table_or_empty("specimen"));
 }
 
 void read_laboratory(const Config& file, const std::string& improvement, Experiment& experiment) {

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include <rths/core/constants.hpp>
@@ -75,14 +78,80 @@ sim::Bearing others_of(const Config& file, double mass, std::size_t bearings) {
       .bearing;
 }
 
+using Places = std::vector<std::array<double, 2>>;  // along long and lat [m]
+
+// Whether a bearing is at the edge of the rectangle around all, or at a corner.
+bool is_at(const std::string& name, const Places& places, std::size_t bearing) {
+  int sides = 0;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto along = [k](const auto& place) { return place[k]; };
+    const auto [least, most] = std::ranges::minmax(places, {}, along);
+    constexpr double kSame = 1e-6;  // of the side
+    const double side = most[k] - least[k], at = places[bearing][k];
+    if (at - least[k] <= kSame * side || most[k] - at <= kSame * side) ++sides;
+  }
+  return name == "inner" ? sides == 0 : sides >= (name == "corners" ? 2 : 1);
+}
+
+// "edge", "corners", "inner", or numbers from 1.
+std::vector<std::size_t> read_places(const Config& kind, const Places& places) {
+  std::vector<std::size_t> chosen;
+  if (!kind.is_text("places")) {
+    for (const double number : kind.numbers("places")) {
+      if (!(number >= 1 && number <= static_cast<double>(places.size()) &&
+            number == std::floor(number)))
+        kind.fail("places", fmt::format("there is no place {:g}, expected whole numbers from 1 to "
+                                        "{}",
+                                        number, places.size()));
+      chosen.push_back(static_cast<std::size_t>(number) - 1);
+    }
+    return chosen;
+  }
+  const std::string name = kind.text("places");
+  if (name != "edge" && name != "corners" && name != "inner")
+    kind.fail(
+        "places",
+        fmt::format("places is '{}', expected edge, corners, inner or a list of numbers", name));
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (is_at(name, places, i)) chosen.push_back(i);
+  return chosen;
+}
+
+// [plant.bearing.NAME]: bearings of other kinds at some places.
+void read_other_kinds(const Config& table, const Places& places,
+                      plant::PlantDescription& description) {
+  auto& [kinds, kind_of, vertical_stiffness, tension_share, stands_for] = description.bearings;
+  const Config others = table.table_or_empty("bearing");
+  std::vector<std::string> names{"[model]"};
+  for (const auto& name : others.keys()) {
+    const Config kind = others.table(name);
+    for (const std::size_t place : read_places(kind, places)) {
+      if (place == description.tested_bearing)
+        kind.fail("places",
+                  fmt::format("place {} has '{}', but its bearing is the tested one, expected the "
+                              "specimen there",
+                              place + 1, name));
+      if (kind_of[place] != 0)
+        kind.fail("places", fmt::format("place {} has '{}' and '{}', expected one kind", place + 1,
+                                        names[kind_of[place]], name));
+      kind_of[place] = kinds.size();
+    }
+    const Config bearing = read_bearing_with(kind.without("places"));
+    static_cast<void>(bearing.text("model", ""));
+    kinds.push_back(sim::read_bearing(bearing, kinds[0].axial_load));
+    names.push_back(name);
+  }
+}
+
 plant::PlantDescription describe_ant(const Config& table, const Config& file) {
   auto design = plant::ant_with(table.integer_in("dof", kLeastDofs, kMostDofs, 5'000));
   const auto bearings = table.integer_in("bearings", 1, plant::kAntBearings, plant::kAntBearings);
   design.bearings = static_cast<std::size_t>(bearings);
-  static_cast<void>(
-      table.placed("bearings", [&] { return plant::ant_bearing_places(design.bearings); }));
+  const auto places =
+      table.placed("bearings", [&] { return plant::ant_bearing_places(design.bearings); });
   auto description = plant::describe(design, others_of(file, design.mass(), plant::kAntBearings));
   description.tested_bearing = tested_bearing_of_ant(table, design.bearings);
+  read_other_kinds(table, places, description);
   return description;
 }
 
@@ -113,6 +182,12 @@ plant::PlantDescription describe_files(const Config& table, const Config& file) 
   for (const auto& floor : structure->floors) description.floors.push_back(floor.name);
   description.tested_bearing = static_cast<std::size_t>(
       table.integer_in("tested_bearing", 1, std::ssize(structure->bearings), 1) - 1);
+  Places places;
+  for (const std::size_t node : structure->bearings) {
+    const auto& place = structure->nodes[node].place;
+    places.push_back({place[0], place[1]});
+  }
+  read_other_kinds(table, places, description);
   return description;
 }
 

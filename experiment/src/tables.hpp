@@ -33,7 +33,9 @@ class MotionFiles {
 void read_earthquakes(const Config& file, Experiment& experiment);
 /// [plant]
 [[nodiscard]] Plant read_plant(const Config& file);
-/// The bearing's file with the changes of [specimen].
+/// A bearing's file with changes, which may name the file as `model`.
+[[nodiscard]] Config read_bearing_with(const Config& changes);
+/// The same with the changes of [specimen].
 [[nodiscard]] Config read_specimen(const Config& file);
 /// The bearing with the changes of [specimen], [machine], and the assumed model of both.
 /// @param improvement  text of an improved.toml, added to those that the model lists; may be empty

@@ -21,18 +21,20 @@ constexpr double kOwnPart = 1e-9;  // of a vector that the others do not contain
 /// Loads whose static deflections belong to a basis.
 class StaticLoads {
  public:
-  explicit StaticLoads(const Structure& structure)
-      : structure_{structure}, map_{structure.bearing_motion()} {
+  StaticLoads(const Structure& structure, const BearingSet& bearings)
+      : structure_{structure}, bearings_{bearings}, map_{structure.bearing_motion()} {
     for (const std::size_t node : structure.bearings)
       for (std::size_t k = 0; k < 2; ++k)
         reach_ = std::max(reach_, std::abs(structure.nodes[node].place[k]));
     if (!(reach_ > 0)) reach_ = 1;
   }
 
-  /// Forces of all bearings in one direction, as 1, x, y, xy, x², y².
-  [[nodiscard]] VectorXd pattern(std::size_t direction, std::size_t pattern) const {
+  /// Forces of the bearings of a kind in one direction, as 1, x, y, xy, x², y².
+  [[nodiscard]] VectorXd pattern(std::size_t kind, std::size_t direction,
+                                 std::size_t pattern) const {
     VectorXd forces = VectorXd::Zero(map_.rows());
     for (std::size_t i = 0; i < structure_.bearings.size(); ++i) {
+      if (bearings_.kind_of[i] != kind) continue;
       const auto& place = structure_.nodes[structure_.bearings[i]].place;
       const double x = place[0] / reach_, y = place[1] / reach_;
       forces[row_of(i, direction)] = std::array{1.0, x, y, x * y, x * x, y * y}[pattern];
@@ -49,7 +51,8 @@ class StaticLoads {
     std::vector<VectorXd> loads;
     const MatrixXd inertia = structure_.inertia();
     for (std::size_t direction = 0; direction < kDirections; ++direction) {
-      for (std::size_t i = 0; i < kPatterns; ++i) loads.push_back(pattern(direction, i));
+      for (std::size_t kind = 0; kind < bearings_.kinds.size(); ++kind)
+        for (std::size_t i = 0; i < kPatterns; ++i) loads.push_back(pattern(kind, direction, i));
       loads.emplace_back(inertia.col(static_cast<Index>(direction)));
       loads.push_back(of_bearing(tested, direction));
     }
@@ -62,6 +65,7 @@ class StaticLoads {
   }
 
   const Structure& structure_;
+  const BearingSet& bearings_;
   SparseMatrix map_;
   double reach_ = 0;
 };
@@ -140,7 +144,7 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
   }
   if (settings.has_static_vectors) {
     std::vector<VectorXd> deflections;
-    for (const VectorXd& load : StaticLoads{structure}.all(settings.tested_bearing)) {
+    for (const VectorXd& load : StaticLoads{structure, bearings}.all(settings.tested_bearing)) {
       deflections.emplace_back();
       on_initial.solve(load, deflections.back());
     }

@@ -38,20 +38,21 @@ class FullPlant final : public LargePlantAnalysis {
     for (const auto& floor : structure.floors)
       for (const Index dof : structure.nodes[floor.node].dofs) floor_dofs_.push_back(dof);
     if (settings.counts_energy) stiffness_ = on_initial_springs(structure, bearings);
-    begin_at_rest(structure.dofs());
-    responses_.resize(structure.dofs(), 2);
+    tested_responses_.resize(structure.dofs(), 2);
     for (Index k = 0; k < 2; ++k) {
       load_ = tested_.transpose() * Eigen::Vector3d::Unit(k);
       factor_.solve(load_, solution_);
-      responses_.col(k) = solution_;
+      tested_responses_.col(k) = solution_;
     }
+    begin_at_rest(structure.dofs());
   }
 
  protected:
-  [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME override {
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion(
+      const VectorXd& u, const VectorXd& v) const RTHS_REALTIME override {
     Eigen::Matrix<double, 3, 2> motion;
-    motion.col(0).noalias() = tested_ * state_.predicted_u;
-    motion.col(1).noalias() = tested_ * state_.predicted_v;
+    motion.col(0).noalias() = tested_ * u;
+    motion.col(1).noalias() = tested_ * v;
     return motion;
   }
   void motion_at_bearings(const VectorXd& u, const VectorXd& v,
@@ -68,7 +69,7 @@ class FullPlant final : public LargePlantAnalysis {
     state_.a = solution_ - state_.w / share;
   }
   void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME override {
-    state_.a.noalias() -= responses_ * correction;
+    state_.a.noalias() -= tested_responses_ * correction;
   }
   void floor_motion(VectorXd& acceleration) const RTHS_REALTIME override {
     for (std::size_t i = 0; i < floor_dofs_.size(); ++i)
@@ -94,8 +95,8 @@ class FullPlant final : public LargePlantAnalysis {
   VectorXd load_, solution_;
   Rows bearings_, tested_;  // B, and its rows of the tested bearing
   std::vector<Index> floor_dofs_;
-  MatrixXd responses_;      // to unit forces of the tested bearing
-  SparseMatrix stiffness_;  // on initial springs; for the energy alone
+  MatrixXd tested_responses_;  // to unit forces of the tested bearing
+  SparseMatrix stiffness_;     // on initial springs; for the energy alone
 };
 
 }  // namespace

@@ -80,15 +80,11 @@ PlantSettings settings_of(const PlantDescription& description,
   plant.damping_ratio = description.damping_ratio;
   plant.damping_frequency = description.damping_frequency;
   plant.tested_bearing = description.tested_bearing;
+  plant.substeps = settings.substeps;
   return plant;
 }
 
-void require_no_substeps(const sim::AnalysisSettings& settings) {
-  if (settings.substeps != 1)
-    throw Error{
-        fmt::format("a large plant integrates once per target: substeps are {}, expected 1 "
-                    "and a shorter integration step",
-                    settings.substeps)};
+void require_model_of_vertical(const sim::AnalysisSettings& settings) {
   if (settings.vertical == sim::VerticalFeedback::Measured)
     throw Error{
         "a large plant computes its vertical motion: vertical_feedback is measured, "
@@ -166,7 +162,7 @@ std::optional<sim::StructureSketch> LargePlant::sketch() const {
 
 std::unique_ptr<sim::Substructure> LargePlant::analysis(
     const sim::AnalysisSettings& settings) const {
-  require_no_substeps(settings);
+  require_model_of_vertical(settings);
   const PlantSettings plant = settings_of(description_, settings);
   if (description_.is_full)
     return make_full(description_.structure(), description_.bearings, settings.motion, plant);

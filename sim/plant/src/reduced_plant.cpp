@@ -40,10 +40,11 @@ class ReducedPlant final : public LargePlantAnalysis {
   }
 
  protected:
-  [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME override {
+  [[nodiscard]] Eigen::Matrix<double, 3, 2> tested_motion(
+      const VectorXd& u, const VectorXd& v) const RTHS_REALTIME override {
     Eigen::Matrix<double, 3, 2> motion;
-    motion.col(0).noalias() = tested_ * state_.predicted_u;
-    motion.col(1).noalias() = tested_ * state_.predicted_v;
+    motion.col(0).noalias() = tested_ * u;
+    motion.col(1).noalias() = tested_ * v;
     return motion;
   }
   void motion_at_bearings(const VectorXd& u, const VectorXd& v,

@@ -49,8 +49,8 @@ class Substructure {
   /// @param target  overwritten: displacement or force at its end [m, rad, N, N·m]
   /// @param rate    overwritten: of the target [per s]; 0 if it is not known   @realtime
   virtual void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME = 0;
-  /// Computes what does not depend on the specimen's force, while the machine moves; does nothing
-  /// if that is done. May be left out: `correct` then does it.   @realtime
+  /// Computes a part of what does not depend on the specimen's force, while the machine moves; does
+  /// nothing if all is done. May be left out: `correct` then does the rest.   @realtime
   virtual void work_ahead() RTHS_REALTIME {}
   /// Ends the step.
   /// @param force  of the specimen at the target [N, N·m]   @realtime

@@ -16,7 +16,8 @@ struct BasisSettings {
 /// the bearings' initial springs diagonal.
 ///
 ///     modes:   K_L φ = ω² M φ with post-yield springs, up to a frequency
-///     static:  K_I⁻¹ Bᵀ g of 6 patterns in each direction,  K_I⁻¹ M ι,  K_I⁻¹ Bᵀ of the tested one
+///     static:  K_I⁻¹ Bᵀ g of 6 patterns of each kind of bearings in each direction,
+///              K_I⁻¹ M ι,  K_I⁻¹ Bᵀ of the tested one
 ///     Ψ = W V,  W: their M-orthonormal basis,  WᵀK_I W = V Λ Vᵀ
 ///
 /// Modes alone miss how the mat bends under the forces of its bearings.

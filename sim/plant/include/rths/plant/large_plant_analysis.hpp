@@ -20,6 +20,7 @@ struct PlantSettings {
   bool damps_bearings = false;
   bool counts_energy = false;  ///< see LargePlantAnalysis::energy; a step takes longer
   std::size_t tested_bearing = 0;
+  int substeps = 1;  ///< of the integration between targets; energy is counted with 1 alone
 
   [[nodiscard]] double damping_time() const;  ///< a₁ = 2 ζ/ω [s]
 };
@@ -50,6 +51,12 @@ class EnergyCount;
 ///
 /// Only d of the tested bearing is late. By superposition, its effect on the next target is a fixed
 /// 2 × 2 matrix; all else is computed by `work_ahead`, while the machine moves.
+///
+/// With substeps, Δt is a part of the time between targets. `work_ahead` integrates from the target
+/// that the machine moves to, to the next one, a substep in each call. It extrapolates d of the
+/// tested bearing by a straight line. When the force is known, the state moves by the response to
+/// the difference: to the parabola through the last three d in the step that ended, and to the new
+/// line in the next.
 class LargePlantAnalysis : public sim::Substructure {
  public:
   [[nodiscard]] std::vector<sim::InterfaceDof> interface() const override;
@@ -76,8 +83,9 @@ class LargePlantAnalysis : public sim::Substructure {
   struct State {
     VectorXd u, v, a, predicted_u, predicted_v, w;
   };
-  /// Motion of the tested bearing in the predicted state: displacement and velocity, 3 × 2.
-  [[nodiscard]] virtual Eigen::Matrix<double, 3, 2> tested_motion() const RTHS_REALTIME = 0;
+  /// Motion of the tested bearing in a state: displacement and velocity, 3 × 2.
+  [[nodiscard]] virtual Eigen::Matrix<double, 3, 2> tested_motion(
+      const VectorXd& u, const VectorXd& v) const RTHS_REALTIME = 0;
   /// Motion of all bearings in the predicted state, 3 × bearings rows, 2 columns.
   void bearing_motion(MatrixXd& motion) const RTHS_REALTIME {
     motion_at_bearings(state_.predicted_u, state_.predicted_v, motion);
@@ -102,11 +110,30 @@ class LargePlantAnalysis : public sim::Substructure {
   [[nodiscard]] const PlantSettings& settings() const { return settings_; }
   [[nodiscard]] double damping_time() const { return damping_time_; }      ///< a₁ [s]
   [[nodiscard]] double implicit_share() const { return implicit_share_; }  ///< c [s²]
+  /// Ends the construction. @param size  coordinates
   void begin_at_rest(Index size);
   State state_;
 
  private:
+  /// Responses to a change of d of the tested bearing by 1 N, along long and lat.
+  struct Responses {
+    MatrixXd u, v, a;  ///< of the state at the next target
+    MatrixXd floors;   ///< of their acceleration at the target before it
+  };
+  void find_responses();
+  void require_slow_bearing() const;
+  [[nodiscard]] Eigen::Vector2d spring_force(const Eigen::Vector2d& displacement) const;
+  void predict_state() RTHS_REALTIME;
+  void correct_state() RTHS_REALTIME;
+  void solve_step(double time, const Eigen::Vector2d& tested) RTHS_REALTIME;
+  void integrate_substep() RTHS_REALTIME;
+  [[nodiscard]] bool is_ahead() const RTHS_REALTIME {
+    return substeps_ahead_ == settings_.substeps;
+  }
+  void correct_with_substeps(const Eigen::Vector2d& correction) RTHS_REALTIME;
+
   PlantSettings settings_;
+  double step_;  // of the integration [s]
   double beta_, gamma_, damping_time_, implicit_share_;
   sim::GroundMotion motion_;
   BearingField bearings_;
@@ -114,23 +141,28 @@ class LargePlantAnalysis : public sim::Substructure {
   MatrixXd bearing_motion_;
   VectorXd correction_, last_correction_, mixed_correction_;
   mutable VectorXd floor_acceleration_;
-  Eigen::Vector3d ground_ = Eigen::Vector3d::Zero();
-  std::unique_ptr<EnergyCount> energy_;  // none: not counted
+  Eigen::Vector3d ground_ = Eigen::Vector3d::Zero(), monitored_ground_ = ground_;
+  Eigen::Matrix<double, 3, 2> target_motion_;  // of the tested bearing
+  Responses responses_;                        // with substeps
+  Eigen::Vector2d tested_ = Eigen::Vector2d::Zero(), next_tested_ = tested_;  // d at targets [N]
+  std::unique_ptr<EnergyCount> energy_;                                       // none: not counted
   std::size_t steps_ = 0;
   friend class EnergyCount;
-  bool has_worked_ = true;
+  int substeps_ahead_ = 0;  // since the last target
 };
 
 /// In the coordinates of a reduced basis: a step takes the same time for any number of degrees of
 /// freedom.
-/// @throws Error if the basis has other bearings or floors, or a setting is out of range   @setup
+/// @throws Error if the basis has other bearings or floors, a setting is out of range, or the
+/// tested
+///         bearing is too stiff for substeps   @setup
 [[nodiscard]] std::unique_ptr<LargePlantAnalysis> make_reduced(const Basis& basis,
                                                                const BearingSet& bearings,
                                                                const sim::GroundMotion& motion,
                                                                const std::vector<Floor>& floors,
                                                                const PlantSettings& settings);
 /// With all degrees of freedom, for reference: a sparse solution in each step.
-/// @throws Error as Factor, or if a setting is out of range   @setup
+/// @throws Error as Factor, and for settings as make_reduced   @setup
 [[nodiscard]] std::unique_ptr<LargePlantAnalysis> make_full(const Structure& structure,
                                                             const BearingSet& bearings,
                                                             const sim::GroundMotion& motion,
