@@ -257,7 +257,8 @@
 
   const floors = () => {
     if (!data.floors.length) return;
-    byId("floor-text").textContent = `5\u2009% damping, at elevation ${n.spectrum_elevation_m}\u2009m: the largest magnitude over ` +
+    const place = data.structure.sketch ? "" : `, at elevation ${n.spectrum_elevation_m}\u2009m`;
+    byId("floor-text").textContent = `5\u2009% damping${place}: the largest magnitude over ` +
       "time of the absolute acceleration vector of an oscillator in two directions.";
     const f = unpack(data.frequencies_Hz);
     for (const floor of data.floors)

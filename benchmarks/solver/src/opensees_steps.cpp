@@ -16,20 +16,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kStrength = 1.01e6;  // characteristic, of the lead-rubber bearing [N]
 constexpr std::chrono::seconds kTimeout{900};
+
+// Characteristic, of a lead-rubber bearing [N].
+double strength_of(const sim::Bearing& bearing) {
+  for (const auto& term : bearing.terms)
+    for (const auto& [name, value] : term.parameters)
+      if (name == "characteristic_strength") return value;
+  throw Error{"the bearing of this comparison has no characteristic strength"};
+}
 
 void write_plant(const fs::path& folder, const plant::AntDesign& design,
                  const plant::PlantDescription& description) {
   const auto mesh = plant::mesh_of(design);
   const auto structure = plant::assemble(mesh);
-  auto bearings = plant::BearingSet::all_of(description.bearing, structure.bearings.size());
-  bearings.vertical_stiffness = description.vertical_stiffness;
-  const auto stiffnesses = plant::stiffness_of(bearings);
+  const auto stiffnesses = plant::stiffness_of(description.bearings);
   std::vector<std::array<double, plant::kDirections>> springs;
   for (const auto& stiffness : stiffnesses) springs.push_back(stiffness.initial);
   write_mesh(folder, mesh, structure, springs);
-  Rows{folder / "bearings.csv"}.add(stiffnesses.front().post_yield[0], kStrength);
+  Rows{folder / "bearings.csv"}.add(stiffnesses.front().post_yield[0],
+                                    strength_of(description.bearings.kinds.front()));
   plant::PlantSettings settings;
   settings.damping_ratio = description.damping_ratio;
   settings.damping_frequency = description.damping_frequency;
