@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "compared_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -9,7 +8,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/error.hpp>
-#include <rths/core/sha256.hpp>
+#include <rths/core/text.hpp>
 #include <rths/memmap/units.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
@@ -109,9 +108,8 @@ std::pair<std::string, std::string> split_heading(const std::string& heading) {
   return {heading, ""};
 }
 
-bool is_time(std::string name) {
-  std::transform(name.begin(), name.end(), name.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+bool is_time(const std::string& heading) {
+  const std::string name = in_small_letters(heading);
   return name == "time" || name == "t" || name == "zeit" || name == "temps";
 }
 

@@ -180,7 +180,7 @@ class Comparing {
     result_.is_judged = settings.tolerance.has_value();
   }
 
-  Comparison run() && {
+  ComparedRuns run() && {
     const auto pairs = pairs_of(baseline_, other_, settings_);
     if (pairs.empty()) throw_without_pairs();
     if (!settings_.aligned.empty()) align(pairs);
@@ -283,23 +283,23 @@ class Comparing {
   ComparedFile baseline_, other_;
   Values time_;
   std::size_t first_row_ = 0;
-  Comparison result_;
+  ComparedRuns result_;
 };
 
 }  // namespace
 
-std::size_t Comparison::equal() const {
+std::size_t ComparedRuns::equal() const {
   return static_cast<std::size_t>(std::count_if(
       signals.begin(), signals.end(), [](const auto& signal) { return signal.is_equal; }));
 }
 
-std::size_t Comparison::broken() const {
+std::size_t ComparedRuns::broken() const {
   return static_cast<std::size_t>(
       std::count_if(signals.begin(), signals.end(),
                     [](const auto& signal) { return signal.broken_at.has_value(); }));
 }
 
-Comparison compare(const std::filesystem::path& baseline, const std::filesystem::path& other,
+ComparedRuns compare(const std::filesystem::path& baseline, const std::filesystem::path& other,
                    const ComparisonSettings& settings) {
   return Comparing{baseline, other, settings}.run();
 }

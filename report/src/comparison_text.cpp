@@ -51,7 +51,7 @@ std::string line_of(const ComparedSignal& signal) {
 }
 
 // How many signals have each resemblance, as the first words of a comparison.
-std::string resemblances_of(const Comparison& comparison) {
+std::string resemblances_of(const ComparedRuns& comparison) {
   std::map<Resemblance, std::size_t> counts;
   for (const auto& signal : comparison.signals)
     if (signal.resemblance != Resemblance::None) ++counts[signal.resemblance];
@@ -86,7 +86,7 @@ Json json_of(const ComparedSignal& signal) {
 
 }  // namespace
 
-std::string text_of(const Comparison& comparison, std::size_t most) {
+std::string text_of(const ComparedRuns& comparison, std::size_t most) {
   std::string text = fmt::format("baseline {}\nother    {}\n", comparison.baseline.string(),
                                  comparison.other.string());
   if (comparison.shift != 0)
@@ -116,7 +116,7 @@ std::string text_of(const Comparison& comparison, std::size_t most) {
   return text;
 }
 
-std::string json_of(const Comparison& comparison) {
+std::string json_of(const ComparedRuns& comparison) {
   Json settings = Json::array(), signals = Json::array();
   for (const auto& [key, baseline, other] : comparison.settings)
     settings.push_back({{"key", key}, {"baseline", baseline}, {"other", other}});

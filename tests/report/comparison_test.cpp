@@ -41,7 +41,7 @@ class Compared : public testing::Test {
       text += fmt::format("{:.6f},{:.12g}\n", t, law(t));
     return folder_.write(name, text);
   }
-  [[nodiscard]] Comparison with(const Law& law, const ComparisonSettings& settings = {}) const {
+  [[nodiscard]] ComparedRuns with(const Law& law, const ComparisonSettings& settings = {}) const {
     return compare(table("a.csv", [](double t) { return motion(t); }), table("b.csv", law),
                    settings);
   }

@@ -13,7 +13,7 @@
 namespace rths::session {
 namespace {
 
-class ComparedRuns : public ::testing::Test {
+class ComparedVirtualRuns : public ::testing::Test {
  protected:
   std::filesystem::path made(const std::string& name, const experiment::Overrides& changes) {
     RunSettings settings;
@@ -30,7 +30,7 @@ class ComparedRuns : public ::testing::Test {
   const test::TemporaryFolder temporary_;
 };
 
-TEST_F(ComparedRuns, AreEqualIfTheyHaveTheSameSettings) {
+TEST_F(ComparedVirtualRuns, AreEqualIfTheyHaveTheSameSettings) {
   const auto found = report::compare(made("a", {}), made("b", {}), {});
 
   EXPECT_GT(found.signals.size(), 100U);
@@ -38,7 +38,7 @@ TEST_F(ComparedRuns, AreEqualIfTheyHaveTheSameSettings) {
   EXPECT_TRUE(found.settings.empty());
 }
 
-TEST_F(ComparedRuns, NameTheSettingThatDiffers) {
+TEST_F(ComparedVirtualRuns, NameTheSettingThatDiffers) {
   const auto found = report::compare(made("a", {}), made("b", {{"motion.scale", "1.2"}}), {});
 
   ASSERT_EQ(found.settings.size(), 1U);

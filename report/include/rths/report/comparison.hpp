@@ -64,7 +64,7 @@ struct ComparedSetting {
   std::string key, baseline, other;
 };
 
-struct Comparison {
+struct ComparedRuns {
   std::filesystem::path baseline, other;
   std::vector<ComparedSetting> settings;
   std::vector<ComparedSignal> signals;  ///< outside their tolerance, then the most different
@@ -81,14 +81,14 @@ struct Comparison {
 /// @param baseline, other  run.h5, or any file of a table with a column of time
 /// @throws Error if a file cannot be read, if there is no common signal, if two units are of
 ///         different quantities, or if the times do not overlap   @setup
-[[nodiscard]] Comparison compare(const std::filesystem::path& baseline,
+[[nodiscard]] ComparedRuns compare(const std::filesystem::path& baseline,
                                  const std::filesystem::path& other,
                                  const ComparisonSettings& settings);
 
 /// As lines for a terminal.
 /// @param most  signals to list
-[[nodiscard]] std::string text_of(const Comparison& comparison, std::size_t most);
+[[nodiscard]] std::string text_of(const ComparedRuns& comparison, std::size_t most);
 /// As one JSON document, without the samples.
-[[nodiscard]] std::string json_of(const Comparison& comparison);
+[[nodiscard]] std::string json_of(const ComparedRuns& comparison);
 
 }  // namespace rths::report
