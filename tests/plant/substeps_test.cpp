@@ -116,6 +116,28 @@ TEST(Substeps, TakeTheForceInWhereverItIsComputed) {
   }
 }
 
+TEST(Substeps, BeginAtRestWithTheFirstTarget) {
+  const Plant plant = plant_on(1);
+  for (const int substeps : {1, kSubsteps}) {
+    const auto early = analysis(plant, kLongStep, substeps),
+               other = analysis(plant, kLongStep, substeps);
+    std::array<double, 3> target{}, rate{}, same{};
+    std::vector<double> monitored(early->monitors().size(), 1);
+
+    early->work_ahead();  // a solver that waits for the loop to close
+    early->monitor(monitored);
+
+    EXPECT_EQ(monitored, std::vector<double>(monitored.size(), 0));
+    for (int step = 0; step < 10; ++step) {
+      for (auto* each : {early.get(), other.get()}) {
+        each->predict(each == early.get() ? target : same, rate);
+        each->correct(std::array{1e4 * step, 0.0, 0.0});
+      }
+      EXPECT_EQ(target, same);
+    }
+  }
+}
+
 // A specimen softer than its initial stiffness adds no energy: the bearing's initial spring is
 // implicit in the extrapolation, too. The largest motion of undamped modes varies.
 TEST(Substeps, AreStableOnStiffBearings) {

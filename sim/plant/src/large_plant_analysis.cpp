@@ -72,7 +72,8 @@ LargePlantAnalysis::LargePlantAnalysis(const BearingSet& bearings, const VectorX
       correction_{VectorXd::Zero(up_to_multiple(bearing_motion_.rows(), Shapes::kLine))},
       last_correction_{correction_},
       mixed_correction_{correction_},
-      floor_acceleration_{VectorXd::Zero(row_of(floors_))} {}
+      floor_acceleration_{VectorXd::Zero(row_of(floors_))},
+      substeps_ahead_{settings.substeps} {}
 
 void LargePlantAnalysis::begin_at_rest(Index size) {
   const auto rest = [&] {
@@ -86,6 +87,8 @@ void LargePlantAnalysis::begin_at_rest(Index size) {
   find_responses();
   require_slow_bearing();
   rest();
+  floor_acceleration_.setZero();
+  substeps_ahead_ = 0;
   while (!is_ahead()) integrate_substep();
 }
 

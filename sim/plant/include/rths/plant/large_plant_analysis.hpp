@@ -148,14 +148,13 @@ class LargePlantAnalysis : public sim::Substructure {
   std::unique_ptr<EnergyCount> energy_;                                       // none: not counted
   std::size_t steps_ = 0;
   friend class EnergyCount;
-  int substeps_ahead_ = 0;  // since the last target
+  int substeps_ahead_;  // since the last target
 };
 
 /// In the coordinates of a reduced basis: a step takes the same time for any number of degrees of
 /// freedom.
-/// @throws Error if the basis has other bearings or floors, a setting is out of range, or the
-/// tested
-///         bearing is too stiff for substeps   @setup
+/// @throws Error if the basis has other bearings or floors, a setting is out of range, or substeps
+///         are too long for the tested bearing   @setup
 [[nodiscard]] std::unique_ptr<LargePlantAnalysis> make_reduced(const Basis& basis,
                                                                const BearingSet& bearings,
                                                                const sim::GroundMotion& motion,
