@@ -15,6 +15,7 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py traps RESULT                what rths_trap_bench has printed
        keep.py pretest RTHS                the prediction of a pretest beside the test, in virtual time
        keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time
+       keep.py plants RTHS                 large plants: reduced beside full, targets of 10 and 1 ms
        keep.py force RTHS                  identification of empty tables
        keep.py kills TESTS                 TESTS: the file that a test program wrote with
        keep.py deaths TESTS                  --gtest_output=json:TESTS
@@ -35,6 +36,7 @@ import tempfile
 import adaptive
 import demo_seeds
 import opensees_runs
+import plants
 import pretest
 import runs
 from results_file import RESULTS, commit, machine, set_options, stamp, write
@@ -232,7 +234,7 @@ def main():
               "least_squares": read, "mutants": read, "solver": read, "substeps": read, "traps": read,
               "card": bench("card"), "force": bench("force"), "vertical": bench("vertical"),
               "adaptive": adaptive.adaptive, "budget": budget, "demo_seeds": demo_seeds.demo_seeds, "examples": examples,
-              "pretest": pretest.predictions,
+              "plants": plants.plants, "pretest": pretest.predictions,
               "opensees_runs": lambda rths: opensees_runs.differences(rths, os.environ["RTHS_OPENSEES_PYTHON"]),
               "kills": kills, "deaths": deaths, "real_recordings": real_recordings,
               "opensees_comparison": opensees_comparison}
