@@ -85,7 +85,7 @@ rths_tests(rths_rule_test "." COST 10)
 rths_tests(rths_diagnosis_test "^Diagnosis\\." COST 6)
 rths_tests(rths_dynamic_diagnosis_test "." COST 5)
 rths_tests(rths_opensees_test "." COST 3)
-rths_tests(rths_plant_test "^(Basis|Energy|LiftOff|ReducedPlant)\\." COST 6)
+rths_tests(rths_plant_test "^(Basis|Energy|ExportFromOpenSees|LiftOff|ReducedPlant)\\." COST 6)
 rths_tests(rths_replicated_test "On256Nodes" COST 4)
 
 # Long with RTHS_LONG=1, and longer on a loaded host.

@@ -68,8 +68,8 @@ TEST_F(OpenSeesFloors, AreRecordedAsByOpenSeesItself) {
   }
 }
 
-// With an ideal machine and a model that is the specimen, the test is its numerical result, which has
-// one step more: the last of 200, at which no machine moves.
+// With an ideal machine and a model that is the specimen, the test is its numerical result, which
+// has one step more: the last of 200, at which no machine moves.
 TEST_F(OpenSeesFloors, HaveSpectraInTheReport) {
   const auto finished = run(bricks(fmt::format("node = {}", kRoof)), "virtual");
 

@@ -108,6 +108,7 @@ TEST_F(OpenSeesRanks, EndTogetherWhateverBecomesOfOne) {
   const auto before = segments();
   for (const RankFate& fate :
        {RankFate{"kill", "rank 1 was killed by signal 9"},
+        RankFate{"behead", "rank 0 was killed by signal 9"},
         RankFate{"fail", "rank 1: RuntimeError: there is no more ground to shake"},
         RankFate{"vanish", "rank 1 left its script before the end"},
         RankFate{"freeze", "OpenSees has sent no message for 1 s"},

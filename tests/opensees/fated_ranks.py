@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Two masses on springs and an experimental bearing, on two ranks; rank 1 or the model fails in a given way.
+"""Two masses on springs and an experimental bearing, on two ranks; a rank or the model fails in a given way.
 
-usage: fated_ranks.py PORT leave|kill|fail|vanish|freeze|late|twice|bearings STEPS [FILE]
+usage: fated_ranks.py PORT leave|kill|behead|fail|vanish|freeze|late|twice|bearings STEPS [FILE]
 
 With FILE, rank 0 creates it after the steps and goes on without an end.
 """
@@ -41,7 +41,7 @@ if len(sys.argv) > 4:
         open(sys.argv[4], "w").close()
     while ops.analyze(1, 0.01) == 0:
         pass
-if rank == 1 and fate == "kill":
+if rank == (0 if fate == "behead" else 1) and fate in ("kill", "behead"):
     os.kill(os.getpid(), signal.SIGKILL)
 elif rank == 1 and fate == "fail":
     raise RuntimeError("there is no more ground to shake")
