@@ -300,7 +300,7 @@ std::size_t ComparedRuns::broken() const {
 }
 
 ComparedRuns compare(const std::filesystem::path& baseline, const std::filesystem::path& other,
-                   const ComparisonSettings& settings) {
+                     const ComparisonSettings& settings) {
   return Comparing{baseline, other, settings}.run();
 }
 

@@ -34,8 +34,8 @@ class Compared : public testing::Test {
   using Law = std::function<double(double)>;
 
   [[nodiscard]] std::filesystem::path table(const char* name, const Law& law,
-                                            const char* heading = "displ [m]", double step = kInterval,
-                                            double begin = 0) const {
+                                            const char* heading = "displ [m]",
+                                            double step = kInterval, double begin = 0) const {
     std::string text = fmt::format("time [s],{}\n", heading);
     for (double t = begin; t < begin + kLength; t += step)
       text += fmt::format("{:.6f},{:.12g}\n", t, law(t));

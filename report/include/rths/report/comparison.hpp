@@ -82,8 +82,8 @@ struct ComparedRuns {
 /// @throws Error if a file cannot be read, if there is no common signal, if two units are of
 ///         different quantities, or if the times do not overlap   @setup
 [[nodiscard]] ComparedRuns compare(const std::filesystem::path& baseline,
-                                 const std::filesystem::path& other,
-                                 const ComparisonSettings& settings);
+                                   const std::filesystem::path& other,
+                                   const ComparisonSettings& settings);
 
 /// As lines for a terminal.
 /// @param most  signals to list
