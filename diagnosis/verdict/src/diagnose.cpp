@@ -269,17 +269,20 @@ std::vector<std::string> inseparable_of(const TestProposal& next, std::vector<Ca
   return limits;
 }
 
-// A name that is wrong much more often than right is none.
+// A name that is wrong much more often than right, together with its alternatives, is none.
 void withdraw_improbable(RelationFindings& found, DiagnosisProgress& progress) {
   constexpr double kLeastConfidence = 0.2;
   if (!found.is_named()) return;
   double most = 0;
   for (const auto& cause : causes_of(found, covariance_of(found)))
-    most = std::max(most, cause.confidence);
+    most = std::max(most, cause.confidence * static_cast<double>(1 + cause.alternatives.size()));
   if (most < kLeastConfidence)
-    withdraw_named(found,
-                   fmt::format("a name like this one is right in {:.0f} % of cases", 100 * most),
-                   progress);
+    withdraw_named(
+        found,
+        fmt::format("a name like this one, or one of its alternatives, is right in {:.0f} "
+                    "% of cases",
+                    100 * most),
+        progress);
 }
 
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the
