@@ -11,7 +11,7 @@ usage: keep.py demo REPORT                 report.json of `./lab demo --headless
        keep.py srmd RESULTS                what `rths bench srmd --json RESULTS` has written
        keep.py mutants RESULT              what tests/replicated/mutants.py --json RESULT has written
        keep.py substeps RESULT             what rths_substeps_bench has printed
-       keep.py solver RESULT               what `rths bench solver --json` has printed
+       keep.py solver RESULT               what `rths bench solver --json` has printed; solver_opensees: beside OpenSees
        keep.py traps RESULT                what rths_trap_bench has printed
        keep.py pretest RTHS                the prediction of a pretest beside the test, in virtual time
        keep.py adaptive RTHS               the adaptive inverse and ATS on drawn machines, in virtual time
@@ -231,7 +231,7 @@ def bench(name):
 
 def main():
     makers = {"demo": lambda file: of_run(read(file)), "srmd": lambda file: srmd(read(file)),
-              "least_squares": read, "mutants": read, "solver": read, "substeps": read, "traps": read,
+              "least_squares": read, "mutants": read, "solver": read, "solver_opensees": read, "substeps": read, "traps": read,
               "card": bench("card"), "force": bench("force"), "vertical": bench("vertical"),
               "adaptive": adaptive.adaptive, "budget": budget, "demo_seeds": demo_seeds.demo_seeds, "examples": examples,
               "plants": plants.plants, "pretest": pretest.predictions,
