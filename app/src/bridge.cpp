@@ -156,7 +156,7 @@ void add_bridge(CommandLine& line) {
                     "Do not send writes that leave a word as it was");
   command->add_option("--as", a.joint_name, "Name of the ring on all hosts [the ring's]");
   command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
 }
 
 }  // namespace rths::app

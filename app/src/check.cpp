@@ -354,7 +354,7 @@ void add_check(CommandLine& line) {
   command
       ->add_option("--amplitude", a.server.amplitude,
                    "Trial displacement of a server, in its units [0: it stays at rest]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->add_flag("--udp", a.server.udp, "The server uses UDP");
   repeatable(command->add_option("--set", a.sets,
                                  "Override a key of the experiment, as in rths run: key=value"));

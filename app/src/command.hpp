@@ -47,6 +47,16 @@ struct CommandLine {
   }
 };
 
+/// Checks that a number is at least 0. CLI11's own message has the largest number in 300 digits.
+[[nodiscard]] inline CLI::Validator not_negative() {
+  return {[](const std::string& text) {
+            double value = 0;
+            const bool is_good = CLI::detail::lexical_cast(text, value) && value >= 0;
+            return is_good ? std::string{} : "found " + text + ", expected a number of at least 0";
+          },
+          "NONNEGATIVE"};
+}
+
 /// Lets an option be given more than once, with one value each time.
 template <class Option>
 Option* repeatable(Option* option) {

@@ -229,7 +229,7 @@ void add_delay(CommandLine& line) {
   command
       ->add_option("--least-rms", a.least_rms,
                    "Least motion of the target, RMS, in its SI unit; less is refused")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->capture_default_str();
   command->add_flag("--json", a.json, "One JSON document instead of tables");
 }

@@ -53,15 +53,15 @@ void add_compare(CommandLine& line) {
                       "Signal names; * and ? as in a shell [all that both have]");
   repeatable(command->add_option("--pair", a.pairs, "Signals of different names: BASELINE=OTHER"));
   command->add_option("--abs", a.absolute, "Tolerance: difference, in SI units")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->add_option("--rel", a.relative, "Tolerance: share of the baseline's magnitude")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->add_option("--time-s", a.time_s, "Tolerance: the baseline this much earlier or later")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->add_option("--align", a.settings.aligned,
                       "Signal of the baseline whose delay is removed first");
   command->add_option("--search-s", a.settings.search, "Largest delay that is looked for")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Range(1e-4, 1e3))
       ->capture_default_str();
   command->add_option("--from", a.settings.from, "First time of the baseline [s]");
   command->add_option("--to", a.settings.to, "Last time of the baseline [s]");

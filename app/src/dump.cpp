@@ -184,9 +184,9 @@ void add_dump(CommandLine& line) {
   command->add_option("--format", a.format)->check(CLI::IsMember({"text", "json", "csv"}));
   command->add_flag("--once", a.once, "Print current values of a ring, not changes");
   command->add_option("-n,--count", a.count, "Stop after this number of lines")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
 }
 
 void add_export(CommandLine& line) {

@@ -146,8 +146,7 @@ void add_ring(CommandLine& line) {
       *command, "show", "Draw nodes, registers, FIFOs and ages of a scenario or of a running ring",
       ring_show);
   show->add_option("source", b.source, "Scenario file, or name of a ring")->required();
-  show->add_option("--at-us", b.at_us, "Time in the scenario [us; its end]")
-      ->check(CLI::NonNegativeNumber);
+  show->add_option("--at-us", b.at_us, "Time in the scenario [us; its end]")->check(not_negative());
 }
 
 void add_fault(CommandLine& line) {

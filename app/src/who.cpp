@@ -202,7 +202,7 @@ void add_watch(CommandLine& line) {
   command->add_option("--period-us", a.period_us, "Time between two scans [50]")
       ->check(CLI::Range(1, 1'000'000));
   command->add_option("-T,--timeout", a.timeout_ms, "Stop after this time [ms]")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
 }
 
 }  // namespace rths::app

@@ -81,7 +81,9 @@ Values interpolated(const Values& time, const Values& values, const Values& at) 
 void keep_numbers(ComparedSignal& signal) {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < signal.time.size(); ++i) {
-    if (!std::isfinite(signal.baseline[i]) || !std::isfinite(signal.other[i])) continue;
+    const bool is_number = std::isfinite(signal.baseline[i]);
+    if (is_number != std::isfinite(signal.other[i])) ++signal.unmatched;
+    if (!is_number || !std::isfinite(signal.other[i])) continue;
     signal.time[kept] = signal.time[i];
     signal.baseline[kept] = signal.baseline[i];
     signal.other[kept++] = signal.other[i];
@@ -214,6 +216,10 @@ class Comparing {
                       result_.baseline.string(), baseline_.time.front(), baseline_.time.back(),
                       result_.other.string(), other_.time.front(), other_.time.back())};
     time_ = {first, last};
+    result_.from = time_.front();
+    result_.to = time_.back();
+    result_.baseline_times = {baseline_.time.front(), baseline_.time.back()};
+    result_.other_times = {other_.time.front(), other_.time.back()};
     first_row_ = static_cast<std::size_t>(first - baseline_.time.begin());
   }
 
@@ -239,10 +245,14 @@ class Comparing {
 
   void compare(const std::string& name, const std::string& other_name) {
     ComparedSignal signal = paired(name, other_name);
-    signal.is_equal = signal.baseline == signal.other;
+    signal.is_equal = signal.unmatched == 0 && signal.baseline == signal.other;
     measure(signal);
     if (!signal.is_equal) explain(settings_.search, signal);
     if (settings_.tolerance) judge(*settings_.tolerance, signal);
+    if (settings_.tolerance && signal.unmatched > 0) {
+      signal.broken_samples += signal.unmatched;
+      if (!signal.broken_at) signal.broken_at = result_.from;
+    }
     result_.signals.push_back(std::move(signal));
   }
 

@@ -41,9 +41,11 @@ std::string line_of(const ComparedSignal& signal) {
       "  {:<36} {:>9} {:>9} {:>9} {:>8}  {:>9}  {}\n", name, number(signal.peak),
       number(signal.other_peak), number(signal.rms),
       std::isfinite(signal.relative_rms) ? fmt::format("{:.3g} %", 100 * signal.relative_rms) : "–",
-      signal.delay ? fmt::format("{:.2f} ms", 1e3 * *signal.delay) : "–",
+      signal.delay ? fmt::format("{:.2f} ms", std::round(1e5 * *signal.delay) / 100 + 0.0) : "–",
       signal.unit == "1" ? "" : signal.unit);
   if (!signal.explanation.empty()) line += fmt::format("      {}\n", signal.explanation);
+  if (signal.unmatched > 0)
+    line += fmt::format("      {} rows have a number in one of both alone\n", signal.unmatched);
   if (signal.broken_at)
     line += fmt::format("      outside its tolerance in {} of {} samples, first at {:.4f} s\n",
                         signal.broken_samples, signal.time.size(), *signal.broken_at);
@@ -70,6 +72,7 @@ Json json_of(const ComparedSignal& signal) {
           {"unit", signal.unit},
           {"samples", signal.time.size()},
           {"equal", signal.is_equal},
+          {"unmatched_rows", signal.unmatched},
           {"peak", signal.peak},
           {"other_peak", signal.other_peak},
           {"rms_difference", signal.rms},
@@ -96,7 +99,11 @@ std::string text_of(const ComparedRuns& comparison, std::size_t most) {
     text += fmt::format("{} settings differ\n{}", comparison.settings.size(),
                         text_of(comparison.settings));
   const std::size_t count = comparison.signals.size(), equal = comparison.equal();
-  text += fmt::format("{} common signals, {} equal to the last bit\n", count, equal);
+  text += fmt::format("compared from {:g} to {:g} s, of {:g} to {:g} s and {:g} to {:g} s\n",
+                      comparison.from, comparison.to, comparison.baseline_times[0],
+                      comparison.baseline_times[1], comparison.other_times[0],
+                      comparison.other_times[1]);
+  text += fmt::format("common signals: {}, equal to the last bit: {}\n", count, equal);
   text += resemblances_of(comparison);
   if (equal < count)
     text += fmt::format("  {:<36} {:>9} {:>9} {:>9} {:>8}  {:>9}  {}\n", "signal", "peak", "other",
@@ -123,6 +130,10 @@ std::string json_of(const ComparedRuns& comparison) {
   for (const auto& signal : comparison.signals) signals.push_back(json_of(signal));
   return Json{{"baseline", comparison.baseline.string()},
               {"other", comparison.other.string()},
+              {"from_s", comparison.from},
+              {"to_s", comparison.to},
+              {"baseline_times_s", comparison.baseline_times},
+              {"other_times_s", comparison.other_times},
               {"shift_s", comparison.shift},
               {"settings", settings},
               {"signals", signals},

@@ -133,6 +133,33 @@ TEST_F(Compared, MeetTheirToleranceInValueAndInTime) {
   EXPECT_EQ(broken({1e-5, 0, 0.0021}, 0.004, 0), 1U);
 }
 
+TEST_F(Compared, AreNotEqualIfOnlyOneHasANumber) {
+  const auto a = folder_.write("a.csv", "time,x\n0,1\n1,2\n2,NaN\n3,4\n"),
+             b = folder_.write("b.csv", "time,x\n0,1\n1,NaN\n2,NaN\n3,4\n");
+  ComparisonSettings judged;
+  judged.tolerance = Tolerance{1, 0, 0};
+
+  EXPECT_TRUE(compare(a, a, judged).signals.at(0).is_equal);
+  EXPECT_EQ(compare(a, a, judged).broken(), 0U);
+  const auto found = compare(a, b, judged);
+  EXPECT_FALSE(found.signals.at(0).is_equal);
+  EXPECT_EQ(found.signals.at(0).unmatched, 1U);
+  EXPECT_EQ(found.broken(), 1U);
+}
+
+TEST_F(Compared, SayWhichTimesTheyShare) {
+  const auto a = table("a.csv", [](double t) { return motion(t); }),
+             b = table(
+                 "b.csv", [](double t) { return motion(t); }, "displ [m]", kInterval, 4);
+  const auto found = compare(a, b, {});
+
+  EXPECT_NEAR(found.from, 4, kInterval);
+  EXPECT_NEAR(found.to, kLength, 2 * kInterval);
+  EXPECT_NE(text_of(found, 5).find("compared from 4 to 10 s, of 0 to 10 s and 4 to 14 s"),
+            std::string::npos)
+      << text_of(found, 5);
+}
+
 TEST_F(Compared, AreAlignedByASignal) {
   ComparisonSettings settings;
   settings.aligned = "displ";

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <limits>
 #include <optional>
@@ -44,7 +45,9 @@ enum class Resemblance {
 struct ComparedSignal {
   std::string name, other_name, unit;
   std::vector<double> time, baseline, other;
-  bool is_equal = false;  ///< same times and values, to the last bit
+  bool is_equal = false;  ///< to the last bit, at all times that both have
+  /// Rows with a number in one of both alone. Rows without a number in either are left out.
+  std::size_t unmatched = 0;
   double peak = 0, other_peak = 0;
   double rms = 0;               ///< of the difference
   double relative_rms = 0;      ///< of the rms of the baseline, about its mean [-]
@@ -69,6 +72,8 @@ struct ComparedRuns {
   std::vector<ComparedSetting> settings;
   std::vector<ComparedSignal> signals;  ///< outside their tolerance, then the most different
   std::vector<std::string> only_baseline, only_other;
+  double from = 0, to = 0;                                ///< compared times [s]
+  std::array<double, 2> baseline_times{}, other_times{};  ///< first and last of each [s]
   double shift = 0;  ///< removed from all times of the other [s]
   bool is_judged = false;
 
