@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <fmt/format.h>
 
@@ -42,14 +41,11 @@ std::string modes_of(const Basis& basis, int count) {
   std::string text =
       "modes on the bearings' initial stiffness, and the share of the mass in each [%]\n"
       "        Hz    long     lat    vert\n";
-  for (Index i = 0; i < std::min<Index>(count, basis.coordinates()); ++i) {
-    text += fmt::format("  {:>8.4f}", std::sqrt(basis.stiffness[i]) / (2 * std::numbers::pi));
-    for (std::size_t k = 0; k < plant::kDirections; ++k) {
-      const double part = basis.participation(i, static_cast<Index>(k));
-      text += fmt::format("  {:>6.2f}", 100 * part * part / basis.mass[k]);
-    }
-    text += "\n";
-  }
+  const Eigen::VectorXd frequencies = basis.initial_frequencies();
+  const Eigen::MatrixXd shares = 100 * basis.mass_shares();
+  for (Index i = 0; i < std::min<Index>(count, basis.coordinates()); ++i)
+    text += fmt::format("  {:>8.4f}  {:>6.2f}  {:>6.2f}  {:>6.2f}\n", frequencies[i], shares(i, 0),
+                        shares(i, 1), shares(i, 2));
   return text;
 }
 

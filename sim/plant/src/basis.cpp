@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <fmt/format.h>
 
@@ -117,6 +118,15 @@ std::vector<std::size_t> nodes_of_picture(const Structure& structure) {
 }
 
 }  // namespace
+
+VectorXd Basis::initial_frequencies() const {
+  return stiffness.cwiseSqrt() / (2 * std::numbers::pi);
+}
+
+MatrixXd Basis::mass_shares() const {
+  const auto along = Eigen::RowVector3d::Map(mass.data());
+  return participation.array().square().rowwise() / along.array();
+}
 
 VectorXd static_weights(const Structure& structure, const BearingSet& bearings, Factor& factor) {
   const VectorXd load = -kStandardGravity * structure.inertia().col(2);

@@ -57,7 +57,7 @@ void check_frequencies(const Basis& basis, const BearingSet& bearings) {
   double stiffness = 0;
   for (const auto& springs : stiffness_of(bearings))
     stiffness += bearings.stands_for * springs.initial[0];
-  const double found = std::sqrt(basis.stiffness[0]) / (2 * std::numbers::pi),
+  const double found = basis.initial_frequencies()[0],
                rigid = std::sqrt(stiffness / basis.mass[0]) / (2 * std::numbers::pi);
   if (found < kSoftest * rigid)
     throw Error{
@@ -153,10 +153,8 @@ std::optional<sim::StructureSketch> LargePlant::sketch() const {
   sketch.tested = description_.tested_bearing;
   sketch.shapes = basis_.shapes;
   const Index modes = basis_.shapes.cols();
-  sketch.frequencies = basis_.stiffness.head(modes).cwiseSqrt() / (2 * std::numbers::pi);
-  const auto mass = Eigen::RowVector3d::Map(basis_.mass.data());
-  sketch.mass_shares =
-      basis_.participation.topRows(modes).array().square().rowwise() / mass.array();
+  sketch.frequencies = basis_.initial_frequencies().head(modes);
+  sketch.mass_shares = basis_.mass_shares().topRows(modes);
   return sketch;
 }
 

@@ -34,6 +34,10 @@ struct Basis {
   MatrixXd shapes;                         ///< first coordinates at these nodes, 3·nodes × modes
 
   [[nodiscard]] Index coordinates() const { return stiffness.size(); }
+  /// Of the coordinates: modes on the bearings' initial springs [Hz].
+  [[nodiscard]] VectorXd initial_frequencies() const;
+  /// Of the mass that moves in long, lat and up, coordinate × 3 [-].
+  [[nodiscard]] MatrixXd mass_shares() const;
   [[nodiscard]] Index static_vectors() const { return coordinates() - frequencies.size(); }
 };
 
