@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <rths/core/text.hpp>
 #include <rths/report/comparison.hpp>
 #include <rths/session/folder.hpp>
 
@@ -20,10 +21,10 @@ struct CompareArguments {
 
 void complete(CompareArguments& a) {
   for (const auto& pair : a.pairs) {
-    const auto equals = pair.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == pair.size())
+    const auto names = key_value(pair);
+    if (!names || names->second.empty())
       throw CLI::ValidationError{"--pair", "found '" + pair + "', expected BASELINE=OTHER"};
-    a.settings.pairs.emplace_back(pair.substr(0, equals), pair.substr(equals + 1));
+    a.settings.pairs.push_back(*names);
   }
   if (a.absolute || a.relative || a.time_s)
     a.settings.tolerance =

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -12,16 +10,9 @@
 #include <rths/broker/ring.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::app {
-
-/// True if a name matches a shell pattern (* and ?), or if there are no patterns.
-inline bool matches(const std::string& name, const std::vector<std::string>& patterns) {
-  return patterns.empty() ||
-         std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-           return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
-         });
-}
 
 /// The names that match at least one pattern, in their order.
 /// @param source  ring or recording, as messages name it

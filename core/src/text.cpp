@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/core/text.hpp>
 
+#include <fnmatch.h>
+
 #include <algorithm>
 #include <charconv>
 
@@ -101,6 +103,13 @@ CommaRow comma_row(std::string_view line) {
 }
 
 }  // namespace
+
+bool matches(const std::string& name, const std::vector<std::string>& patterns) {
+  return patterns.empty() ||
+         std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
+           return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+         });
+}
 
 std::optional<KeyValue> key_value(const std::string& text) {
   const auto equals = text.find('=');

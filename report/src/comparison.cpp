@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/report/comparison.hpp>
 
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -13,7 +11,7 @@
 
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
-#include <rths/maths/delay.hpp>
+#include <rths/core/text.hpp>
 #include <rths/maths/statistics.hpp>
 
 #include "compared_file.hpp"
@@ -29,23 +27,18 @@ std::vector<std::pair<std::string, std::string>> pairs_of(const ComparedFile& ba
                                                           const ComparedFile& other,
                                                           const ComparisonSettings& settings) {
   std::vector<std::pair<std::string, std::string>> pairs = settings.pairs;
-  const auto is_chosen = [&](const std::string& name) {
-    const auto& patterns = settings.patterns;
-    return patterns.empty() ||
-           std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
-             return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
-           });
-  };
   if (!pairs.empty() && settings.patterns.empty()) return pairs;
   bool has_common = false;
   for (const auto& [name, signal] : baseline.signals) {
     has_common = has_common || other.signals.contains(name);
-    if (other.signals.contains(name) && is_chosen(name)) pairs.emplace_back(name, name);
+    if (other.signals.contains(name) && matches(name, settings.patterns))
+      pairs.emplace_back(name, name);
   }
   if (has_common) return pairs;
   for (const auto& [role, name] : baseline.roles)
     if (const auto found = other.roles.find(role);
-        found != other.roles.end() && (is_chosen(name) || is_chosen(role)))
+        found != other.roles.end() &&
+        (matches(name, settings.patterns) || matches(role, settings.patterns)))
       pairs.emplace_back(name, found->second);
   return pairs;
 }
@@ -60,51 +53,36 @@ const FileSignal& signal_of(const ComparedFile& file, const std::filesystem::pat
       fmt::format("{}: there is no signal '{}'{}", path.string(), name, did_you_mean(name, names))};
 }
 
-// Values at other times, linear between samples. @pre the times lie within those of the samples
-Values interpolated(const Values& time, const Values& values, const Values& at) {
-  if (time == at) return values;
-  Values result;
-  result.reserve(at.size());
-  std::size_t i = 0;
-  for (const double t : at) {
-    while (i + 2 < time.size() && time[i + 1] <= t) ++i;
-    const double share = (t - time[i]) / (time[i + 1] - time[i]);
-    // At a sample exactly, also beside a value that is not a number.
-    result.push_back(share == 0   ? values[i]
-                     : share == 1 ? values[i + 1]
-                                  : (1 - share) * values[i] + share * values[i + 1]);
+// Rows in which both values are numbers. @returns the rows in which one alone is
+std::size_t keep_numbers(PairedValues& paired) {
+  std::size_t kept = 0, unmatched = 0;
+  for (std::size_t i = 0; i < paired.time.size(); ++i) {
+    const bool is_number = std::isfinite(paired.baseline[i]);
+    if (is_number != std::isfinite(paired.other[i])) ++unmatched;
+    if (!is_number || !std::isfinite(paired.other[i])) continue;
+    paired.time[kept] = paired.time[i];
+    paired.baseline[kept] = paired.baseline[i];
+    paired.other[kept++] = paired.other[i];
   }
-  return result;
+  for (Values* values : {&paired.time, &paired.baseline, &paired.other}) values->resize(kept);
+  return unmatched;
 }
 
-// Rows in which both values are numbers.
-void keep_numbers(ComparedSignal& signal) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < signal.time.size(); ++i) {
-    const bool is_number = std::isfinite(signal.baseline[i]);
-    if (is_number != std::isfinite(signal.other[i])) ++signal.unmatched;
-    if (!is_number || !std::isfinite(signal.other[i])) continue;
-    signal.time[kept] = signal.time[i];
-    signal.baseline[kept] = signal.baseline[i];
-    signal.other[kept++] = signal.other[i];
-  }
-  for (Values* values : {&signal.time, &signal.baseline, &signal.other}) values->resize(kept);
-}
-
-void measure(ComparedSignal& signal) {
-  Values difference(signal.time.size());
+void measure(const PairedValues& paired, ComparedSignal& signal) {
+  signal.samples = paired.time.size();
+  Values difference(signal.samples);
   for (std::size_t i = 0; i < difference.size(); ++i)
-    difference[i] = signal.other[i] - signal.baseline[i];
-  signal.peak = maths::largest_magnitude(signal.baseline);
-  signal.other_peak = maths::largest_magnitude(signal.other);
+    difference[i] = paired.other[i] - paired.baseline[i];
+  signal.peak = maths::largest_magnitude(paired.baseline);
+  signal.other_peak = maths::largest_magnitude(paired.other);
   signal.rms = maths::rms(difference);
-  const double size = maths::deviation(signal.baseline);
+  const double size = maths::deviation(paired.baseline);
   signal.relative_rms = signal.rms == 0 ? 0 : size > 0 ? signal.rms / size : INFINITY;
   const auto at = std::max_element(difference.begin(), difference.end(),
                                    [](double a, double b) { return std::abs(a) < std::abs(b); });
   if (at == difference.end()) return;
   signal.largest = std::abs(*at);
-  signal.largest_at = signal.time[static_cast<std::size_t>(at - difference.begin())];
+  signal.largest_at = paired.time[static_cast<std::size_t>(at - difference.begin())];
 }
 
 /// Smallest or largest value in a window that moves on.
@@ -124,22 +102,22 @@ class SlidingExtreme {
   std::deque<std::pair<std::size_t, double>> waiting_;
 };
 
-void judge(const Tolerance& tolerance, ComparedSignal& signal) {
+void judge(const Tolerance& tolerance, const PairedValues& paired, ComparedSignal& signal) {
   SlidingExtreme<std::less<>> least;
   SlidingExtreme<std::greater<>> most;
-  const Values& time = signal.time;
+  const Values& time = paired.time;
   std::size_t first = 0, next = 0;
   for (std::size_t i = 0; i < time.size(); ++i) {
     for (; next < time.size() && time[next] <= time[i] + tolerance.time; ++next) {
       const double width =
-          std::max(tolerance.absolute, tolerance.relative * std::abs(signal.baseline[next]));
-      least.add(next, signal.baseline[next] - width);
-      most.add(next, signal.baseline[next] + width);
+          std::max(tolerance.absolute, tolerance.relative * std::abs(paired.baseline[next]));
+      least.add(next, paired.baseline[next] - width);
+      most.add(next, paired.baseline[next] + width);
     }
     while (time[first] < time[i] - tolerance.time) ++first;
     least.drop_before(first);
     most.drop_before(first);
-    if (signal.other[i] >= least.value() && signal.other[i] <= most.value()) continue;
+    if (paired.other[i] >= least.value() && paired.other[i] <= most.value()) continue;
     if (signal.broken_samples++ == 0) signal.broken_at = time[i];
   }
 }
@@ -223,8 +201,9 @@ class Comparing {
     first_row_ = static_cast<std::size_t>(first - baseline_.time.begin());
   }
 
-  [[nodiscard]] ComparedSignal paired(const std::string& name,
-                                      const std::string& other_name) const {
+  /// A signal, and its values in the rows in which both are numbers.
+  [[nodiscard]] std::pair<ComparedSignal, PairedValues> paired(
+      const std::string& name, const std::string& other_name) const {
     const FileSignal &mine = signal_of(baseline_, result_.baseline, name),
                      &theirs = signal_of(other_, result_.other, other_name);
     if (!mine.unit.empty() && !theirs.unit.empty() && mine.unit != theirs.unit)
@@ -235,20 +214,19 @@ class Comparing {
     signal.name = name;
     signal.other_name = other_name;
     signal.unit = mine.unit.empty() ? theirs.unit : mine.unit;
-    signal.time = time_;
     const auto begin = mine.values.begin() + static_cast<std::ptrdiff_t>(first_row_);
-    signal.baseline = {begin, begin + std::ssize(time_)};
-    signal.other = interpolated(other_.time, theirs.values, time_);
-    keep_numbers(signal);
-    return signal;
+    PairedValues values{
+        time_, {begin, begin + std::ssize(time_)}, interpolated(other_.time, theirs.values, time_)};
+    signal.unmatched = keep_numbers(values);
+    measure(values, signal);
+    return {std::move(signal), std::move(values)};
   }
 
   void compare(const std::string& name, const std::string& other_name) {
-    ComparedSignal signal = paired(name, other_name);
-    signal.is_equal = signal.unmatched == 0 && signal.baseline == signal.other;
-    measure(signal);
-    if (!signal.is_equal) explain(settings_.search, signal);
-    if (settings_.tolerance) judge(*settings_.tolerance, signal);
+    auto [signal, values] = paired(name, other_name);
+    signal.is_equal = signal.unmatched == 0 && values.baseline == values.other;
+    if (!signal.is_equal) explain(settings_.search, values, signal);
+    if (settings_.tolerance) judge(*settings_.tolerance, values, signal);
     if (settings_.tolerance && signal.unmatched > 0) {
       signal.broken_samples += signal.unmatched;
       if (!signal.broken_at) signal.broken_at = result_.from;
@@ -264,9 +242,8 @@ class Comparing {
     if (found == pairs.end())
       throw Error{fmt::format("there is no common signal '{}' to align by", settings_.aligned)};
     set_times();
-    ComparedSignal signal = paired(found->first, found->second);
-    measure(signal);
-    explain(settings_.search, signal);
+    auto [signal, values] = paired(found->first, found->second);
+    explain(settings_.search, values, signal);
     if (!signal.delay)
       throw Error{
           fmt::format("'{}' has no delay to align by: it does not move, or it has no "

@@ -48,7 +48,7 @@ std::string line_of(const ComparedSignal& signal) {
     line += fmt::format("      {} rows have a number in one of both alone\n", signal.unmatched);
   if (signal.broken_at)
     line += fmt::format("      outside its tolerance in {} of {} samples, first at {:.4f} s\n",
-                        signal.broken_samples, signal.time.size(), *signal.broken_at);
+                        signal.broken_samples, signal.samples, *signal.broken_at);
   return line;
 }
 
@@ -70,7 +70,7 @@ Json json_of(const ComparedSignal& signal) {
   return {{"signal", signal.name},
           {"other", signal.other_name},
           {"unit", signal.unit},
-          {"samples", signal.time.size()},
+          {"samples", signal.samples},
           {"equal", signal.is_equal},
           {"unmatched_rows", signal.unmatched},
           {"peak", signal.peak},

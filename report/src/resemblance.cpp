@@ -60,25 +60,18 @@ struct Even {
   Values baseline, other;
 };
 
-Even evenly(const ComparedSignal& signal) {
-  const Values steps = maths::steps_of(signal.time);
-  Even even{maths::quantile(steps, 0.5), signal.baseline, signal.other};
+Even evenly(const PairedValues& paired) {
+  const Values steps = maths::steps_of(paired.time);
+  Even even{maths::quantile(steps, 0.5), paired.baseline, paired.other};
   const auto is_usual = [&](double step) {
     return std::abs(step - even.interval) <= kSteady * even.interval;
   };
   if (std::all_of(steps.begin(), steps.end(), is_usual)) return even;
-  even.baseline.clear();
-  even.other.clear();
-  std::size_t i = 0;
-  for (double t = signal.time.front(); t <= signal.time.back(); t += even.interval) {
-    while (i + 2 < signal.time.size() && signal.time[i + 1] <= t) ++i;
-    const double share = (t - signal.time[i]) / (signal.time[i + 1] - signal.time[i]);
-    const auto at = [&](const Values& values) {
-      return (1 - share) * values[i] + share * values[i + 1];
-    };
-    even.baseline.push_back(at(signal.baseline));
-    even.other.push_back(at(signal.other));
-  }
+  Values times;
+  for (double t = paired.time.front(); t <= paired.time.back(); t += even.interval)
+    times.push_back(t);
+  even.baseline = interpolated(paired.time, paired.baseline, times);
+  even.other = interpolated(paired.time, paired.other, times);
   return even;
 }
 
@@ -188,11 +181,27 @@ const char* name_of(Resemblance resemblance) {
   return kNames[static_cast<std::size_t>(resemblance)];
 }
 
-void explain(double search, ComparedSignal& signal) {
-  const double size = maths::deviation(signal.baseline), other = maths::deviation(signal.other);
-  if (!(size > 0) || !(other > 0) || signal.time.size() < kFewest) return;
-  if (are_whole(signal.baseline) && are_whole(signal.other)) return;
-  const Even even = evenly(signal);
+Values interpolated(const Values& time, const Values& values, const Values& at) {
+  if (time == at) return values;
+  Values result;
+  result.reserve(at.size());
+  std::size_t i = 0;
+  for (const double t : at) {
+    while (i + 2 < time.size() && time[i + 1] <= t) ++i;
+    const double share = (t - time[i]) / (time[i + 1] - time[i]);
+    // At a sample exactly, also beside a value that is not a number.
+    result.push_back(share == 0   ? values[i]
+                     : share == 1 ? values[i + 1]
+                                  : (1 - share) * values[i] + share * values[i + 1]);
+  }
+  return result;
+}
+
+void explain(double search, const PairedValues& paired, ComparedSignal& signal) {
+  const double size = maths::deviation(paired.baseline), other = maths::deviation(paired.other);
+  if (!(size > 0) || !(other > 0) || paired.time.size() < kFewest) return;
+  if (are_whole(paired.baseline) && are_whole(paired.other)) return;
+  const Even even = evenly(paired);
   set_delay(search, signal, even);
   const Values &a = even.baseline, &b = even.other;
   const double whole = energy_between(a, 1, 0, b);

@@ -26,6 +26,9 @@ namespace rths {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+/// Whether a name matches one of some shell patterns (* and ?), or there are no patterns.
+[[nodiscard]] bool matches(const std::string& name, const std::vector<std::string>& patterns);
+
 using KeyValue = std::pair<std::string, std::string>;
 
 /// The parts of "key=value"; empty if the text has no key or no '='.

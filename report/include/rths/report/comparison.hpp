@@ -44,8 +44,8 @@ enum class Resemblance {
 /// A signal beside that of the baseline, on the times of the baseline that both have. SI.
 struct ComparedSignal {
   std::string name, other_name, unit;
-  std::vector<double> time, baseline, other;
-  bool is_equal = false;  ///< to the last bit, at all times that both have
+  std::size_t samples = 0;  ///< compared rows
+  bool is_equal = false;    ///< to the last bit, at all times that both have
   /// Rows with a number in one of both alone. Rows without a number in either are left out.
   std::size_t unmatched = 0;
   double peak = 0, other_peak = 0;
