@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <rths/app/builtin_adapters.hpp>
+#include <rths/session/folder.hpp>
 #include <rths/session/plant.hpp>
 
 #include "command.hpp"
@@ -34,6 +35,22 @@ int check(const PlantArguments& a) {
   return kOk;
 }
 
+struct MotionArguments {
+  std::string run;  ///< recording, or folder of a run
+  int bearing = 1;
+  double at_s = 0;
+};
+
+int motion(const MotionArguments& a) {
+  fmt::print("{}", session::motion_of_bearing(session::recording_in(a.run), a.bearing));
+  return kOk;
+}
+
+int field(const MotionArguments& a) {
+  fmt::print("{}", session::displacement_field(session::recording_in(a.run), a.at_s));
+  return kOk;
+}
+
 }  // namespace
 
 void add_plant(CommandLine& line) {
@@ -58,6 +75,23 @@ void add_plant(CommandLine& line) {
   checked->add_option("--duration-s", of_check.duration_s, "Length of the motion from its begin")
       ->check(CLI::Range(0.1, 1e4))
       ->capture_default_str();
+  const auto add_result = [&](const char* name, const char* description,
+                              int (*work)(const MotionArguments&)) {
+    auto [command, a] = line.add_to(*group, name, description, work);
+    command
+        ->add_option("run", a.run,
+                     "Recording of a test with record = [\"coordinates\"], or its folder")
+        ->required()
+        ->check(CLI::ExistingPath);
+    return std::pair<CLI::App*, MotionArguments&>{command, a};
+  };
+  auto [moved, of_motion] =
+      add_result("motion", "Print the displacement of a bearing in a run, as a table", motion);
+  moved->add_option("--bearing", of_motion.bearing, "Its number, from 1, along lat first")
+      ->required();
+  auto [bent, of_field] = add_result(
+      "field", "Print the displacements of all nodes at a time of a run, as a table", field);
+  bent->add_option("--at-s", of_field.at_s, "Time of the target")->required();
 }
 
 }  // namespace rths::app

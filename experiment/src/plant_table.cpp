@@ -191,6 +191,20 @@ plant::PlantDescription describe_files(const Config& table, const Config& file) 
   return description;
 }
 
+// What is recorded beside floors and loads.
+void read_record(const Config& table, plant::PlantDescription& description) {
+  for (const std::string& what : table.texts("record", {})) {
+    if (what == "coordinates" && description.is_full)
+      table.fail("record", "coordinates are those of basis = \"reduced\", found \"full\"");
+    if (what == "coordinates")
+      description.monitors_coordinates = true;
+    else if (what == "energy")
+      description.monitors_energy = true;
+    else
+      table.fail("record", "found '" + what + "', expected coordinates or energy");
+  }
+}
+
 std::shared_ptr<const sim::StructureModel> read_large(const Config& table,
                                                       plant::PlantDescription description) {
   auto& bearings = description.bearings;
@@ -206,6 +220,7 @@ std::shared_ptr<const sim::StructureModel> read_large(const Config& table,
   if (basis != "reduced" && basis != "full")
     table.fail("basis", "basis is '" + basis + "', expected reduced or full");
   description.is_full = basis == "full";
+  read_record(table, description);
   table.reject_unknown_keys();
   return std::make_shared<plant::LargePlant>(std::move(description), plant::cache_folder());
 }

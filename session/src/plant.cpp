@@ -8,7 +8,8 @@
 
 #include <rths/core/error.hpp>
 #include <rths/loop/response_difference.hpp>
-#include <rths/plant/large_plant.hpp>
+
+#include "large_plant_of.hpp"
 
 namespace rths::session {
 namespace {
@@ -20,14 +21,6 @@ using plant::LargePlant;
 
 // Of the highest frequency of the spectra. Measured with time steps of 1 ms.
 constexpr double kModesOverSpectra = 1.4;
-
-const LargePlant& large_plant_of(const Experiment& experiment) {
-  const auto* large = dynamic_cast<const LargePlant*>(experiment.plant.structure.get());
-  if (large != nullptr) return *large;
-  throw Error{fmt::format(
-      "{}: the plant is one of sticks, expected [plant] with model = \"ant\" or \"files\"",
-      experiment.file.string())};
-}
 
 sim::AnalysisSettings settings_of(const Experiment& experiment) {
   sim::AnalysisSettings settings;
@@ -89,6 +82,14 @@ loop::ResponseHistory response_of(plant::PlantDescription description, bool is_f
 }
 
 }  // namespace
+
+const LargePlant& large_plant_of(const Experiment& experiment) {
+  const auto* large = dynamic_cast<const LargePlant*>(experiment.plant.structure.get());
+  if (large != nullptr) return *large;
+  throw Error{fmt::format(
+      "{}: the plant is one of sticks, expected [plant] with model = \"ant\" or \"files\"",
+      experiment.file.string())};
+}
 
 std::string build_plant(const Experiment& experiment) {
   const LargePlant& large = large_plant_of(experiment);

@@ -134,6 +134,40 @@ TEST(FullPlant, IsRealTime) {
   expect_real_time(*make_full(structure, bearings, test::petrolia(), counting_settings()));
 }
 
+// The state of a plant with substeps is ahead of the target.
+TEST(ReducedPlant, MonitorsCoordinatesThatMoveItsTestedBearingToTheTarget) {
+  const auto& [mesh, structure, bearings] = large_plant();
+  const Basis& basis = large_basis();
+  for (const int substeps : {1, 10}) {
+    PlantSettings plant_settings = settings();
+    plant_settings.time_step = 0.01;
+    plant_settings.substeps = substeps;
+    plant_settings.monitors_coordinates = true;
+    const auto plant =
+        make_reduced(basis, bearings, test::petrolia(), structure.floors, plant_settings);
+    const auto monitors = plant->monitors();
+    ASSERT_EQ(std::ssize(monitors), 15 + basis.coordinates());
+    EXPECT_EQ(monitors[15].name, "coordinate.1");
+    EXPECT_EQ(monitors[15].unit, "m");
+    std::vector<double> target(3), rate(3), values(monitors.size());
+    double largest = 0;
+
+    for (int step = 0; step < 400; ++step) {
+      plant->predict(target, rate);
+      plant->correct(std::vector<double>{1e5, -5e4, 0});
+      plant->monitor(values);
+      const VectorXd moved = basis.displacement(
+          basis.bearings.topRows<3>(), VectorXd::Map(values.data() + 15, basis.coordinates()));
+      for (Index k = 0; k < 2; ++k) {
+        largest = std::max(largest, std::abs(target[static_cast<std::size_t>(k)]));
+        EXPECT_NEAR(moved[k], target[static_cast<std::size_t>(k)], 1e-12 + 1e-9 * largest)
+            << step << " of " << substeps;
+      }
+    }
+    EXPECT_GT(largest, 1e-4);
+  }
+}
+
 TEST(ReducedPlant, MonitorsTheGroundEachFloorAndTheLoads) {
   const auto& [mesh, structure, bearings] = large_plant();
   const auto plant =

@@ -119,6 +119,8 @@ std::vector<std::size_t> nodes_of_picture(const Structure& structure) {
 
 }  // namespace
 
+std::string coordinate_name(Index coordinate) { return fmt::format("coordinate.{}", coordinate); }
+
 VectorXd Basis::initial_frequencies() const {
   return stiffness.cwiseSqrt() / (2 * std::numbers::pi);
 }
@@ -176,6 +178,7 @@ Basis make_basis(const Structure& structure, const BearingSet& bearings,
   basis.bearing_places = places_of(structure, structure.bearings);
   basis.shapes = at_nodes(shapes, structure, drawn) *
                  principal.vectors.leftCols(std::min(kModesOfPicture, shapes.cols()));
+  if (settings.keeps_all_shapes) basis.all_shapes = shapes * principal.vectors;
   return basis;
 }
 

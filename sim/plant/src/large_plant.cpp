@@ -81,7 +81,16 @@ PlantSettings settings_of(const PlantDescription& description,
   plant.damping_frequency = description.damping_frequency;
   plant.tested_bearing = description.tested_bearing;
   plant.substeps = settings.substeps;
+  plant.counts_energy = description.monitors_energy;
+  plant.monitors_coordinates = description.monitors_coordinates;
   return plant;
+}
+
+BasisSettings basis_settings(const PlantDescription& description) {
+  BasisSettings settings;
+  settings.frequency_limit = description.frequency_limit;
+  settings.tested_bearing = description.tested_bearing;
+  return settings;
 }
 
 void require_model_of_vertical(const sim::AnalysisSettings& settings) {
@@ -127,10 +136,16 @@ LargePlant::LargePlant(PlantDescription description, std::optional<std::filesyst
         say_that_it_takes_long("plant");
         const Structure structure = description_.structure();
         check(structure);
-        return make_basis(structure, description_.bearings,
-                          {description_.frequency_limit, true, description_.tested_bearing});
+        return make_basis(structure, description_.bearings, basis_settings(description_));
       })} {
   check_frequencies(basis_, description_.bearings);
+}
+
+Basis LargePlant::basis_of(const Structure& structure) const {
+  say_that_it_takes_long("plant");
+  BasisSettings settings = basis_settings(description_);
+  settings.keeps_all_shapes = true;
+  return make_basis(structure, description_.bearings, settings);
 }
 
 std::string LargePlant::summary() const {

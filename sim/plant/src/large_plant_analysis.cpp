@@ -170,9 +170,9 @@ void LargePlantAnalysis::predict(std::span<double> target, std::span<double> rat
   ++steps_;
   if (settings_.substeps == 1) {
     predict_state();
-    target_motion_ = tested_motion(state_.predicted_u, state_.predicted_v);
+    target_motion_ = tested_motion(target_displacement(), state_.predicted_v);
   } else {
-    target_motion_ = tested_motion(state_.u, state_.v);
+    target_motion_ = tested_motion(target_displacement(), state_.v);
   }
   for (Index k = 0; k < 2; ++k) {
     target[static_cast<std::size_t>(k)] = target_motion_(k, 0);
@@ -253,17 +253,26 @@ std::vector<sim::MonitoredQuantity> LargePlantAnalysis::monitors() const {
   monitors.push_back({"bearings.least_load", "N"});
   monitors.push_back({"bearings.largest_load", "N"});
   monitors.push_back({"bearings.lifted", "1"});
+  if (energy_)
+    for (const char* name : {"kinetic", "strain", "damped", "absorbed", "input"})
+      monitors.push_back({fmt::format("energy.{}", name), "J"});
   return monitors;
 }
 
 void LargePlantAnalysis::monitor(std::span<double> values) const noexcept {
   if (settings_.substeps == 1) floor_motion(floor_acceleration_);
-  const std::size_t motions = values.size() - 3;
+  const std::size_t motions = kDirections * (1 + floors_);
   write_monitors(monitored_ground_, floor_acceleration_, values.first(motions));
   const BearingField::Loads& loads = bearings_.loads();
   values[motions] = loads.least;
   values[motions + 1] = loads.largest;
   values[motions + 2] = loads.lifted;
+  if (!energy_) return;
+  const EnergyBalance& energy = energy_->energy();
+  std::size_t at = motions + 3;
+  for (const double part :
+       {energy.kinetic, energy.strain, energy.damped, energy.absorbed, energy.input})
+    values[at++] = part;
 }
 
 }  // namespace rths::plant

@@ -25,8 +25,10 @@ Basis padded(Basis basis) {
 
 class ReducedPlant final : public LargePlantAnalysis {
  public:
-  ReducedPlant(const Basis& basis, const BearingSet& bearings, const sim::GroundMotion& motion,
-               const std::vector<Floor>& floors, const PlantSettings& settings)
+  // @param basis  padded   @param count  of its coordinates that move
+  ReducedPlant(const Basis& basis, Index count, const BearingSet& bearings,
+               const sim::GroundMotion& motion, const std::vector<Floor>& floors,
+               const PlantSettings& settings)
       : LargePlantAnalysis{bearings, basis.weights, motion, floors, settings},
         stiffness_{basis.stiffness},
         compliance_{(1 + implicit_share() * basis.stiffness.array()).inverse()},
@@ -36,7 +38,28 @@ class ReducedPlant final : public LargePlantAnalysis {
         floors_{basis.floors},
         participation_{basis.participation},
         load_{VectorXd::Zero(basis.coordinates())} {
+    if (settings.monitors_coordinates) {
+      at_target_.setZero(count);
+      to_metres_ = basis.to_metres();
+    }
     begin_at_rest(basis.coordinates());
+  }
+
+  // The motion that the machine is asked to follow: with substeps, the state runs ahead of it.
+  void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME override {
+    LargePlantAnalysis::predict(target, rate);
+    if (at_target_.size() > 0) at_target_ = target_displacement().head(at_target_.size());
+  }
+  [[nodiscard]] std::vector<sim::MonitoredQuantity> monitors() const override {
+    auto monitors = LargePlantAnalysis::monitors();
+    for (Index i = 1; i <= at_target_.size(); ++i) monitors.push_back({coordinate_name(i), "m"});
+    return monitors;
+  }
+  void monitor(std::span<double> values) const RTHS_REALTIME override {
+    const auto count = static_cast<std::size_t>(at_target_.size());
+    const auto others = values.size() - count;
+    LargePlantAnalysis::monitor(values.first(others));
+    VectorXd::Map(values.data() + others, at_target_.size()) = to_metres_ * at_target_;
   }
 
  protected:
@@ -80,6 +103,8 @@ class ReducedPlant final : public LargePlantAnalysis {
   Eigen::Matrix<double, 3, Eigen::Dynamic> tested_;
   MatrixXd floors_, participation_;
   VectorXd load_;
+  VectorXd at_target_;  // coordinates at the last target, if they are monitored
+  double to_metres_ = 0;
 };
 
 }  // namespace
@@ -95,7 +120,8 @@ std::unique_ptr<LargePlantAnalysis> make_reduced(const Basis& basis, const Beari
   };
   require(basis.bearings.rows(), bearings.kind_of.size(), "bearings");
   require(basis.floors.rows(), floors.size(), "floors");
-  return std::make_unique<ReducedPlant>(padded(basis), bearings, motion, floors, settings);
+  return std::make_unique<ReducedPlant>(padded(basis), basis.coordinates(), bearings, motion,
+                                        floors, settings);
 }
 
 }  // namespace rths::plant

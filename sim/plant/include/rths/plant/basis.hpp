@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
+#include <string>
+
 #include <rths/plant/bearings.hpp>
 #include <rths/plant/modes.hpp>
 
@@ -10,6 +13,7 @@ struct BasisSettings {
   double frequency_limit = 50;     ///< of the modes on post-yield bearings [Hz]
   bool has_static_vectors = true;  ///< without them, local forces of the bearings are lost
   std::size_t tested_bearing = 0;
+  bool keeps_all_shapes = false;  ///< of all degrees of freedom, see Basis::all_shapes
 };
 
 /// A structure in coordinates q of a reduced basis Ψ, u = Ψ q: the mass is 1 and the stiffness on
@@ -32,6 +36,8 @@ struct Basis {
   Index dofs = 0;                          ///< of the structure
   MatrixXd nodes, bearing_places;          ///< for pictures: some nodes; bearings, 3 × each [m]
   MatrixXd shapes;                         ///< first coordinates at these nodes, 3·nodes × modes
+  /// Ψ, dof × coordinates; empty unless asked for, and not kept in a file [kg^-½].
+  MatrixXd all_shapes;
 
   [[nodiscard]] Index coordinates() const { return stiffness.size(); }
   /// Of the coordinates: modes on the bearings' initial springs [Hz].
@@ -39,7 +45,17 @@ struct Basis {
   /// Of the mass that moves in long, lat and up, coordinate × 3 [-].
   [[nodiscard]] MatrixXd mass_shares() const;
   [[nodiscard]] Index static_vectors() const { return coordinates() - frequencies.size(); }
+  /// A recorded coordinate is q/√M, with the mass M along [kg^-½]: a displacement of the whole
+  /// mass.
+  [[nodiscard]] double to_metres() const { return 1 / std::sqrt(mass[0]); }
+  /// u of some rows of Ψ, by recorded coordinates [m].
+  [[nodiscard]] VectorXd displacement(const MatrixXd& rows, const VectorXd& coordinates) const {
+    return rows * coordinates / to_metres();
+  }
 };
+
+/// Name of a recorded coordinate, from 1.   @setup
+[[nodiscard]] std::string coordinate_name(Index coordinate);
 
 /// @throws Error if a matrix is not positive definite, if there is no such tested bearing, and as
 ///         stiffness_of, Structure::on_springs and modes_up_to   @setup

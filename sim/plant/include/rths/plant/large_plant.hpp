@@ -22,6 +22,7 @@ struct PlantDescription {
   double damping_ratio = 0.02, damping_frequency = 10;  ///< see PlantSettings
   std::size_t tested_bearing = 0;
   bool is_full = false;  ///< all degrees of freedom in each step, for reference
+  bool monitors_coordinates = false, monitors_energy = false;
 };
 
 /// The plant family: its floors, and a key of its design. All bearings are alike.   @setup
@@ -51,6 +52,9 @@ class LargePlant final : public sim::StructureModel {
   [[nodiscard]] std::optional<sim::StructureSketch> sketch() const override;
 
   [[nodiscard]] const Basis& basis() const { return basis_; }
+  /// With the shapes of all degrees of freedom, computed again: takes as long as the first time.
+  /// @throws Error as make_basis   @setup
+  [[nodiscard]] Basis basis_of(const Structure& structure) const;
   [[nodiscard]] const PlantDescription& description() const { return description_; }
 
  private:

@@ -21,6 +21,7 @@ struct PlantSettings {
   bool counts_energy = false;  ///< see LargePlantAnalysis::energy; a step takes longer
   std::size_t tested_bearing = 0;
   int substeps = 1;  ///< of the integration between targets; energy is counted with 1 alone
+  bool monitors_coordinates = false;  ///< of a reduced plant, see Basis::displacement
 
   [[nodiscard]] double damping_time() const;  ///< a₁ = 2 ζ/ω [s]
 };
@@ -66,7 +67,8 @@ class LargePlantAnalysis : public sim::Substructure {
   [[nodiscard]] double time() const RTHS_REALTIME override {
     return static_cast<double>(steps_) * settings_.time_step;
   }
-  /// Acceleration of the ground and of each floor: long, lat, vert; then loads of the bearings.
+  /// Acceleration of the ground and of each floor: long, lat, vert; loads of the bearings; energies
+  /// and coordinates if the settings ask for them.
   [[nodiscard]] std::vector<sim::MonitoredQuantity> monitors() const override;
   void monitor(std::span<double> values) const RTHS_REALTIME override;
 
@@ -112,6 +114,10 @@ class LargePlantAnalysis : public sim::Substructure {
   [[nodiscard]] double implicit_share() const { return implicit_share_; }  ///< c [s²]
   /// Ends the construction. @param size  coordinates
   void begin_at_rest(Index size);
+  /// After `predict`: displacement whose part at the tested bearing is the target.
+  [[nodiscard]] const VectorXd& target_displacement() const RTHS_REALTIME {
+    return settings_.substeps == 1 ? state_.predicted_u : state_.u;
+  }
   State state_;
 
  private:
