@@ -127,6 +127,27 @@ TEST(Select, FindsNoFaultOfAnAccelerometerThatIsAShiftInTime) {
   EXPECT_EQ(found_by(check), std::set<std::string>{});
 }
 
+// The bound counts simulated steps: time would make a verdict depend on the host.
+TEST(Select, KeepsWhatItHasFoundWhenItsWorkIsDone) {
+  const SixCandidates six{{{"e2", 3}, {"e5", 1}}, 1};
+  const auto found_after = [&](double steps) {
+    DiagnosisProgress progress;
+    progress.add_steps(steps);
+    Problem problem = linear_problem(six.relation, six.records);
+    problem.report_to(progress);
+    Selection selection = select(problem, two_records(), 1);
+    return std::pair{names_in(selection.rounds), selection.is_complete};
+  };
+
+  EXPECT_EQ(found_after(0), (std::pair{std::set<std::string>{"e2", "e5"}, true}));
+  // A first round begins in less than one evaluation of both records.
+  EXPECT_EQ(found_after(kMostSteps - 2 * kSelectRows), (std::pair{std::set<std::string>{}, false}));
+  // Enough for a round, but not for all.
+  const auto [some, is_complete] = found_after(kMostSteps - 4e4);
+  EXPECT_FALSE(is_complete);
+  EXPECT_EQ(some, std::set<std::string>{"e2"});
+}
+
 // Two candidates of one signal are tied. If the tie was decided beside a term that has been
 // withdrawn since, it is found again; a rival that has been withdrawn itself is none.
 TEST(RenewTies, FindsTheRivalsOfATermAgain) {

@@ -204,7 +204,10 @@ bool TestedHypothesis::stack(const Fold::Share& share, const VectorXd& values,
   const ResidualNoise& noise = problem_->noise(share.record);
   MatrixXd prediction;
   std::vector<MatrixXd> derivatives;
-  if (!simulators_[share.record]->run(values, wanted, prediction, derivatives)) return false;
+  const Simulator& simulator = *simulators_[share.record];
+  problem_->progress().add_steps(static_cast<double>(drive.rows() * simulator.work_per_row()) *
+                                 static_cast<double>(1 + wanted.size()));
+  if (!simulator.run(values, wanted, prediction, derivatives)) return false;
   const Index rows = drive.rows(), outputs = drive.measured.cols();
   const bool has_offsets = problem_->relation().has_free_offsets();
   const MatrixXd constants =

@@ -111,7 +111,9 @@ void Round::try_best(const Hypothesis& from, const std::vector<Candidate>& candi
   problem_.progress().begin_step("short fits",
                                  std::min(screened.size(), effort_.tried) * effort_.starts);
   for (std::size_t i = 0; i < std::min(screened.size(), effort_.tried); ++i) {
-    if (screened[i].gain < std::max(effort_.least, kTriedShare * screened[0].gain)) break;
+    if (screened[i].gain < std::max(effort_.least, kTriedShare * screened[0].gain) ||
+        problem_.progress().is_search_over())
+      break;
     ShortFit fit{screened[i].candidate, {}, base};
     const std::size_t tries = std::min(screened[i].starts.size(), effort_.starts);
     for (std::size_t k = 0; k < tries; ++k)

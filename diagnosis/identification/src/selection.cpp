@@ -33,11 +33,12 @@ class Selector {
   Selection select() {
     fit_base();
     bool goes_on = true;
-    while (goes_on && effects() < kMostTerms) goes_on = add_term();
+    while (goes_on && !is_over() && effects() < kMostTerms) goes_on = add_term();
     drop_redundant();
-    join_parts();
+    if (!is_over()) join_parts();
     if (settle()) drop_redundant();
-    replace_parts_of_model();
+    if (!is_over()) replace_parts_of_model();
+    selection_.is_complete = !is_over();
     drop_named(selection_.rounds);
     std::stable_partition(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
     selection_.named = fitted(problem_, current_, folds_.both, kLongFit);
@@ -64,6 +65,9 @@ class Selector {
     return std::count_if(selection_.rounds.begin(), selection_.rounds.end(), std::not_fn(is_rule));
   }
 
+  // Whether the search has done as much as it may. It then keeps what it has found.
+  [[nodiscard]] bool is_over() const { return problem_.progress().is_search_over(); }
+
   void begin_stage(const std::string& stage) const { problem_.progress().begin_stage(stage); }
 
   void fit_base() {
@@ -80,7 +84,7 @@ class Selector {
   bool add_term() {
     begin_stage(fmt::format("search for term {}", selection_.rounds.size() + 1));
     auto won = round_with(usual_effort());
-    if (explains_little(won)) {
+    if (explains_little(won) && !is_over()) {
       auto other = round_with(kThorough);
       if (other && (!won || other->chosen.gain > won->chosen.gain)) won = std::move(other);
     }
@@ -104,11 +108,12 @@ class Selector {
   // round, if the two leave little: the one of the largest gain, or else the one that fits best.
   // @returns whether any was accepted
   bool add_pair() {
-    if (selection_.last.empty() || effects() + 2 > kMostTerms || !explains_little(std::nullopt))
+    if (is_over() || selection_.last.empty() || effects() + 2 > kMostTerms ||
+        !explains_little(std::nullopt))
       return false;
     const ScoredCandidate first = selection_.last[0], best_fit = *best_fit_;
     return add_pair_with(first) ||
-           (!is_same(best_fit.candidate, first.candidate) && add_pair_with(best_fit));
+           (!is_over() && !is_same(best_fit.candidate, first.candidate) && add_pair_with(best_fit));
   }
 
   bool add_pair_with(const ScoredCandidate& one) {
@@ -272,7 +277,7 @@ class Selector {
     const auto& rounds = selection_.rounds;
     const Candidate& holder = rounds[index].chosen.candidate;
     begin_stage("rivals of " + holder.name);
-    if (is_needed(selection_, index)) return std::nullopt;
+    if (is_over() || is_needed(selection_, index)) return std::nullopt;
     const auto is_other = [&](const SelectionRound& round) { return &round != &rounds[index]; };
     std::vector<SelectionRound> others;
     std::copy_if(rounds.begin(), rounds.end(), std::back_inserter(others), is_other);

@@ -26,6 +26,7 @@ class AnchoredSimulator final : public Simulator {
   void share(const Simulator& other) override {
     simulator_->share(*dynamic_cast<const AnchoredSimulator&>(other).simulator_);
   }
+  [[nodiscard]] int work_per_row() const override { return simulator_->work_per_row(); }
 
  private:
   std::unique_ptr<Simulator> simulator_;

@@ -142,6 +142,7 @@ class NearestReading final : public Simulator {
     }
     return true;
   }
+  [[nodiscard]] int work_per_row() const override { return simulator_->work_per_row(); }
 
  private:
   std::unique_ptr<Simulator> simulator_;

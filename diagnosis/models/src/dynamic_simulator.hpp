@@ -29,7 +29,11 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] std::vector<std::vector<double>> motion(const VectorXd& values) const;
   /// An input of the model after its terms.
   [[nodiscard]] std::vector<double> driven(std::size_t input, const VectorXd& values) const;
-  [[nodiscard]] int substeps() const { return setup_.substeps; }
+  /// A step of a system solves for the forces of its connections by iteration.
+  [[nodiscard]] int work_per_row() const override {
+    constexpr int kWorkOfStep = 4;
+    return kWorkOfStep * setup_.substeps;
+  }
 
  private:
   struct Bound {

@@ -344,6 +344,12 @@ std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
   if (!all.back()->split.undetermined.empty()) limits.push_back(pieces_for(all.back()->split));
   if (!all.back()->proof.is_held_out) limits.emplace_back("No record was held out for a proof.");
   for (const auto& found : all) {
+    if (!found->selection.is_complete)
+      limits.push_back(
+          fmt::format("{}: the search ended after {:.0e} simulated steps, before all combinations "
+                      "of terms were "
+                      "tried; shorter records, or fewer terms by --without, let it end.",
+                      found->relation->name(), kMostSteps));
     add(found->relation->notes());
     limits.push_back(filter_of(*found));
     add(visited_in(*found));

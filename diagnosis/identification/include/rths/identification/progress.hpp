@@ -8,7 +8,11 @@
 
 namespace rths::diagnosis {
 
-/// Progress of a diagnosis: its stage and step, and the fits of the step that are done.
+/// Steps that the search for missing terms of a relation may integrate: some minutes.
+inline constexpr double kMostSteps = 4e8;
+
+/// Progress of a diagnosis: its stage and step, the fits of the step that are done, and the work of
+/// the search, which is bounded.
 class DiagnosisProgress {
  public:
   struct State {
@@ -24,7 +28,10 @@ class DiagnosisProgress {
   explicit DiagnosisProgress(Show show) : show_{std::move(show)} {}
 
   /// Name of the part of the diagnosis, before its stages: "motion to force".
-  void enter(const std::string& part) { part_ = part; }
+  void enter(const std::string& part) {
+    part_ = part;
+    steps_ = 0;
+  }
   void begin_stage(const std::string& stage) {
     state_ = {part_.empty() ? stage : part_ + ": " + stage, "", 0, 0};
     tell();
@@ -35,6 +42,11 @@ class DiagnosisProgress {
     state_.total = total;
     tell();
   }
+  /// Adds steps that simulations integrated. They bound the search, instead of the time, so that a
+  /// verdict is the same on every host.
+  void add_steps(double steps) { steps_ += steps; }
+  /// Whether the part has integrated as many steps as a search may.
+  [[nodiscard]] bool is_search_over() const { return steps_ > kMostSteps; }
   /// One more fit is done.
   void count() {
     ++state_.done;
@@ -49,6 +61,7 @@ class DiagnosisProgress {
   Show show_;
   std::string part_;
   State state_;
+  double steps_ = 0;  ///< of the part
 };
 
 }  // namespace rths::diagnosis

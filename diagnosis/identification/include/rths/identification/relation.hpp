@@ -62,6 +62,8 @@ class Simulator {
   virtual void keep(const VectorXd& /*values*/) {}
   /// Uses what another simulator of the same relation and drive keeps.
   virtual void share(const Simulator& /*other*/) {}
+  /// Work of a run for each row of its drive, in steps of a composition.
+  [[nodiscard]] virtual int work_per_row() const { return 1; }
 };
 
 /// A term of free shape: values at knots of a state.

@@ -38,6 +38,7 @@ struct Selection {
   std::vector<SelectionRound> rounds;  ///< accepted candidates, in order, hysteresis rules last
   std::vector<ScoredCandidate> first;  ///< of the round in which the first was accepted
   std::vector<ScoredCandidate> last;   ///< of the round in which none was accepted
+  bool is_complete = true;             ///< not ended by the bound of its work
   Hypothesis base;                     ///< fitted to both folds
   Hypothesis ruled;                    ///< the base with the accepted hysteresis rules only
   Hypothesis named;                    ///< the base with all accepted candidates
