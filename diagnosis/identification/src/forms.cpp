@@ -136,6 +136,7 @@ void fit_forms(const TestedHypothesis& tested, const Folds& folds,
   for (const auto& form : forms) terms.push_back(form.term);
   const auto screened = screen(base, folds.first, terms);
   for (std::size_t i = 0; i < std::min(kFittedForms, screened.size()); ++i) {
+    if (i > 0 && problem.progress().is_search_over()) break;
     const FreeForm& form = forms[static_cast<std::size_t>(screened[i].candidate - terms.data())];
     const auto with = with_form(base, screened[i], folds.first);
     if (!with) continue;

@@ -346,10 +346,10 @@ std::vector<std::string> limits_of(const Case& c, const SensorNoise& noise,
   for (const auto& found : all) {
     if (!found->selection.is_complete)
       limits.push_back(
-          fmt::format("{}: the search ended after {:.0e} simulated steps, before all combinations "
-                      "of terms were "
-                      "tried; shorter records, or fewer terms by --without, let it end.",
-                      found->relation->name(), kMostSteps));
+          fmt::format("{}: the search ended after {:.0f} million simulated steps, before all terms "
+                      "and forms were tried; shorter records, or fewer terms by --without, let it "
+                      "end.",
+                      found->relation->name(), 1e-6 * kMostSteps));
     add(found->relation->notes());
     limits.push_back(filter_of(*found));
     add(visited_in(*found));
