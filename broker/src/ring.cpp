@@ -61,7 +61,7 @@ Ring Ring::create_new(const std::string& name, const memmap::Map& map, std::uint
 Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name)}; }
 
 Ring Ring::look_at(const std::string& name) {
-  return Ring{Segment::attach_shared(name, Access::ReadOnly)};
+  return Ring{Segment::attach_shared(name, ObjectAccess::ReadOnly)};
 }
 
 bool Ring::is_current() const { return segment_->has_name(); }

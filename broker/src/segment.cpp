@@ -89,7 +89,7 @@ static Heap zeroed_heap(std::uint64_t bytes) {
 // Either a shared object or private memory of this process.
 struct Segment::Memory {
   std::optional<SharedObject> object;
-  Access access = Access::ReadWrite;
+  ObjectAccess access = ObjectAccess::ReadWrite;
   Mapping common;
   std::vector<Mapping> journals;
   std::string name;  ///< of a shared object
@@ -103,9 +103,9 @@ struct Segment::Memory {
       return journal_heaps[index].get();
     }
     if (journals[index].address() == nullptr) {
-      if (access == Access::ReadWrite) object->reserve(begin, bytes);
+      if (access == ObjectAccess::ReadWrite) object->reserve(begin, bytes);
       journals[index] = object->map(begin, bytes);
-      if (access == Access::ReadWrite) populate_pages(journals[index], bytes);
+      if (access == ObjectAccess::ReadWrite) populate_pages(journals[index], bytes);
     }
     return journals[index].address();
   }
@@ -146,7 +146,7 @@ bool Segment::is_member(Claim claim) const {
   return memory_->object ? memory_->object->members().has(claim) : claim == own_claim();
 }
 
-bool Segment::is_read_only() const { return memory_->access == Access::ReadOnly; }
+bool Segment::is_read_only() const { return memory_->access == ObjectAccess::ReadOnly; }
 
 const std::string& Segment::name() const { return memory_->name; }
 
@@ -201,7 +201,7 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
   }
 }
 
-std::unique_ptr<Segment> Segment::attach_shared(const std::string& name, Access access) {
+std::unique_ptr<Segment> Segment::attach_shared(const std::string& name, ObjectAccess access) {
   auto memory = std::make_unique<Memory>();
   memory->name = name;
   memory->access = access;

@@ -48,7 +48,7 @@ class Segment {
   /// @throws ForeignRing if the object may not be opened or its layout version differs; Error if it
   ///         is not a ring, or its header, map, groups or size contradict each other
   static std::unique_ptr<Segment> attach_shared(const std::string& name,
-                                                Access access = Access::ReadWrite);
+                                                ObjectAccess access = ObjectAccess::ReadWrite);
   static std::unique_ptr<Segment> create_in_process(const memmap::Map& map,
                                                     std::uint32_t journal_bits);
 

@@ -61,7 +61,7 @@ Mapping::~Mapping() {
   munmap(address_, bytes_);
 }
 
-SharedObject::SharedObject(int descriptor, Access access)
+SharedObject::SharedObject(int descriptor, ObjectAccess access)
     : descriptor_{descriptor}, access_{access} {
   if (descriptor < 0) fail(errno);
   try {
@@ -97,8 +97,8 @@ void SharedObject::publish(const std::string& ring) const {
     fail(errno);
 }
 
-SharedObject SharedObject::open(const std::string& ring, Access access) {
-  const int mode = access == Access::ReadOnly ? O_RDONLY : O_RDWR;
+SharedObject SharedObject::open(const std::string& ring, ObjectAccess access) {
+  const int mode = access == ObjectAccess::ReadOnly ? O_RDONLY : O_RDWR;
   return SharedObject{shm_open(path_of(ring).c_str(), mode | O_CLOEXEC, 0), access};
 }
 
@@ -143,7 +143,7 @@ void SharedObject::reserve(std::uint64_t begin, std::uint64_t bytes) const {
 }
 
 Mapping SharedObject::map(std::uint64_t begin, std::uint64_t bytes) const {
-  const int protection = access_ == Access::ReadOnly ? PROT_READ : PROT_READ | PROT_WRITE;
+  const int protection = access_ == ObjectAccess::ReadOnly ? PROT_READ : PROT_READ | PROT_WRITE;
   void* address =
       mmap(nullptr, bytes, protection, MAP_SHARED, descriptor_, static_cast<off_t>(begin));
   if (address == MAP_FAILED) fail(errno);
