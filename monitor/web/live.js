@@ -97,14 +97,15 @@ const live = (() => {
     watched = wanted;
     ask();
   };
+  const newest = () => Math.max(state.now, view.to === null ? buffer.next ?? 0 : 0);
   const show = (span, to) => {
     view.span = Math.min(LONGEST, Math.max(SHORTEST, span));
-    view.to = to === null || to >= state.now ? null : Math.max(Math.min(view.span, state.now), to);
+    view.to = to === null || to >= newest() ? null : Math.max(Math.min(view.span, newest()), to);
     ask();
     tell("view");
     draw();
   };
-  const pause = () => show(view.span, view.to === null ? Math.max(1, Math.floor(buffer.next ?? state.now) - 1) : null);
+  const pause = () => show(view.span, view.to === null ? Math.max(1, newest() - 1) : null);
   const scroll = share => show(view.span, (view.to ?? state.now) + share * view.span);
   const zoom = factor => {
     const to = view.to === null ? null : view.to + (factor - 1) * view.span / 2;
@@ -196,10 +197,12 @@ const moving = (() => {
     let low = Infinity, high = -Infinity;
     for (const values of arrays)
       for (const v of values) { if (v < low) low = v; if (v > high) high = v; }
-    return low > high ? [0, 1] : [low, high];
+    return low > high ? null : [low, high];
   };
-  const padded = ([low, high]) => {
-    const margin = MARGIN * (high - low) || Math.abs(high) * MARGIN || 1;
+  // Without values, as while an answer is awaited, the scale stays.
+  const padded = (extent, before) => {
+    if (!extent) return before;
+    const [low, high] = extent, margin = MARGIN * (high - low) || Math.abs(high) * MARGIN || 1;
     return [low - margin, high + margin];
   };
   // The unit stays while the values shrink, so that it does not flicker.
@@ -281,8 +284,9 @@ const moving = (() => {
     const draw = () => {
       if (box.offsetParent === null) return;
       const now = arrays();
-      range = padded(extentOf(now.slice(1).filter((_, i) => plot.series[i + 1].show)));
-      scale = scaleFor(label, scale, Math.max(Math.abs(range[0]), Math.abs(range[1])));
+      const extent = extentOf(now.slice(1).filter((_, i) => plot.series[i + 1].show));
+      range = padded(extent, range);
+      if (extent || !scale) scale = scaleFor(label, scale, Math.max(Math.abs(range[0]), Math.abs(range[1])));
       if (plot.axes[1].label !== scale.label) plot.axes[1].label = scale.label;
       if (unitText.textContent !== scale.unit) unitText.textContent = scale.unit;
       plot.setData(now);
@@ -315,7 +319,9 @@ const moving = (() => {
       if (box.offsetParent === null) return;
       xs = means(x.word);
       ys = means(y.word);
-      view = { x: padded(extentOf([xs])), y: padded(extentOf([ys])) };
+      const extents = [extentOf([xs]), extentOf([ys])];
+      if (!extents[0] || !extents[1]) return;
+      view = { x: padded(extents[0]), y: padded(extents[1]) };
       if (equal) {
         const half = Math.max(view.x[1] - view.x[0], view.y[1] - view.y[0]) / 2;
         for (const key of ["x", "y"]) { const m = (view[key][0] + view[key][1]) / 2; view[key] = [m - half, m + half]; }

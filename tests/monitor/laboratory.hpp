@@ -7,6 +7,7 @@
 #include <thread>
 
 #include <rths/broker/ring.hpp>
+#include <rths/monitor/server.hpp>
 
 namespace rths::test {
 
@@ -36,5 +37,14 @@ class Laboratory {
   std::atomic<std::uint64_t> steps_{0};
   std::thread thread_;
 };
+
+/// A page of a ring, with the words of the SRMD and a short history.
+[[nodiscard]] inline monitor::ServerSettings settings_for(const std::string& ring) {
+  monitor::ServerSettings settings;
+  settings.ring = ring;
+  settings.history_bytes = 1 << 22;
+  settings.roles_of = [](const memmap::Map&) { return recording::read_roles({}); };
+  return settings;
+}
 
 }  // namespace rths::test

@@ -21,7 +21,7 @@ namespace {
 using test::Laboratory;
 using test::unique_ring;
 
-constexpr std::size_t kHistory = 1 << 20;
+constexpr std::size_t kHistory = 1 << 22;  // more than 10 s of slots
 
 // Updates as the page does. @returns false if it is not so after some seconds
 bool becomes(RingLook& look, const std::function<bool()>& is_so, double seconds = 10) {

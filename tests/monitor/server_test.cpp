@@ -23,16 +23,9 @@ namespace {
 
 using test::http_get;
 using test::Laboratory;
+using test::settings_for;
 using test::unique_ring;
 using test::WebSocket;
-
-ServerSettings settings_for(const std::string& ring) {
-  ServerSettings settings;
-  settings.ring = ring;
-  settings.history_bytes = 1 << 22;
-  settings.roles_of = [](const memmap::Map&) { return recording::read_roles({}); };
-  return settings;
-}
 
 bool becomes(const std::function<bool()>& is_so, double seconds = 20) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
