@@ -82,6 +82,9 @@ monitor::ServerSettings settings_of(const ViewArguments& a) {
   if (!a.experiment.empty()) {
     const auto experiment = load_experiment(a.experiment, split_changes(a.sets));
     settings.roles_of = [roles = experiment.roles](const memmap::Map&) { return roles; };
+    for (const auto& node : experiment.nodes)
+      for (const auto& [axis, limit] : node.settings.safety_limits)
+        settings.limits.push_back({axis, limit.displacement, limit.force, limit.tracking});
     if (settings.ring.empty()) settings.ring = experiment.name;
   }
   return settings;
@@ -184,8 +187,9 @@ void add_view(CommandLine& line) {
                       "Address of a network interface, for other hosts with the token [loopback]");
   command->add_option("--token", a.token, "For --control and --listen [a new one]");
   command->add_option("--runs", a.runs, "Folder with the results of runs")->capture_default_str();
-  auto* experiment = command->add_option("--experiment", a.experiment,
-                                         "Experiment file, for the words of the test [by the map]");
+  auto* experiment =
+      command->add_option("--experiment", a.experiment,
+                          "Experiment file, for words and limits of the test [words by the map]");
   repeatable(command->add_option("--set", a.sets, "As for the run: key=value"))->needs(experiment);
   command->add_option("-T,--timeout", a.timeout_ms, "End after this time [ms]")
       ->check(not_negative());

@@ -97,7 +97,7 @@ struct PageServer::State {
   explicit State(ServerSettings given)
       : settings{std::move(given)},
         html{page()},
-        ring{settings.ring, settings.roles_of, settings.history_bytes} {}
+        ring{settings.ring, settings.roles_of, settings.limits, settings.history_bytes} {}
 
   ServerSettings settings;
   std::string html;

@@ -58,9 +58,11 @@ void append(std::string& bytes, const T& value) {
 
 }  // namespace
 
-ShownRing::ShownRing(std::string ring, RolesOf roles_of, std::size_t history_bytes)
+ShownRing::ShownRing(std::string ring, RolesOf roles_of, std::vector<ShownLimits> limits,
+                     std::size_t history_bytes)
     : wanted_{std::move(ring)},
       roles_of_{std::move(roles_of)},
+      limits_{std::move(limits)},
       history_bytes_{history_bytes},
       thread_{[this] { run(); }} {}
 
@@ -170,6 +172,9 @@ std::string ShownRing::map_text() const {
                    {"time", roles.time},
                    {"axes", Json::array()}};
   for (const auto& axis : roles.axes) json["roles"]["axes"].push_back(json_of(axis));
+  for (const auto& limit : limits_)  // an infinite number is null
+    json["limits"][limit.axis] = {
+        {"displacement", limit.displacement}, {"force", limit.force}, {"tracking", limit.tracking}};
   using controller::PcState;
   json["pc_states"] = {{std::to_string(static_cast<int>(PcState::Initialize)), "initialize"},
                        {std::to_string(static_cast<int>(PcState::Correct)), "correct"},

@@ -8,8 +8,10 @@
 #include <shared_mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <rths/monitor/look.hpp>
+#include <rths/monitor/server.hpp>
 #include <rths/recording/roles.hpp>
 
 namespace rths::monitor {
@@ -28,7 +30,8 @@ using RolesOf = std::function<recording::Roles(const memmap::Map&)>;
 class ShownRing {
  public:
   /// @param ring  empty: the first of this host
-  ShownRing(std::string ring, RolesOf roles_of, std::size_t history_bytes);
+  ShownRing(std::string ring, RolesOf roles_of, std::vector<ShownLimits> limits,
+            std::size_t history_bytes);
   ~ShownRing();
   ShownRing(const ShownRing&) = delete;
   ShownRing& operator=(const ShownRing&) = delete;
@@ -59,6 +62,7 @@ class ShownRing {
 
   const std::string wanted_;
   const RolesOf roles_of_;
+  const std::vector<ShownLimits> limits_;
   const std::size_t history_bytes_;
   mutable std::shared_mutex mutex_;  ///< of all that follows
   std::unique_ptr<RingLook> look_;

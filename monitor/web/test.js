@@ -3,7 +3,7 @@
 const testPage = (() => {
   const { el, byId } = plots;
   const AXIS_NAME = { long: "longitudinal", lat: "lateral" };
-  const SLOTS_PER_S = 1000;
+  const SLOTS_PER_S = 1000, NEAR_LIMIT = 0.8;
   let cards = {}, axes = [], figuresHere = [];
 
   const ms = seconds => (seconds == null ? "–" : (seconds * 1000).toFixed(2));
@@ -44,8 +44,18 @@ const testPage = (() => {
 
   const card = (key, name) => {
     const value = el("div", { className: "value" }), note = el("div", { className: "note" });
-    byId("test-cards").append(el("div", { className: "card" }, el("div", { className: "name", textContent: name }), value, note));
-    cards[key] = { value, note };
+    const part = el("span"), limit = el("div", { className: "limit", hidden: true }, part);
+    byId("test-cards").append(el("div", { className: "card" }, el("div", { className: "name", textContent: name }), value, note, limit));
+    cards[key] = { value, note, limit, part };
+  };
+  // A quantity with its share of a limit of the safety layer, as a bar.
+  const setLimited = (key, value, unit, limit, note) => {
+    const q = quantities.axis(`[${unit}]`, Math.max(Math.abs(value), (limit ?? 0) / 100, 1e-3)), share = Math.abs(value) / limit;
+    setCard(key, `${quantities.number(value * q.factor, 3)} ${q.unit}`, limit ? `${quantities.percent(share)} of ${quantities.brief(limit * q.factor)} ${q.unit}` : note);
+    if (!cards[key] || !limit) return;
+    cards[key].limit.hidden = false;
+    cards[key].part.style.width = `${Math.min(100, share * 100)}%`;
+    cards[key].part.className = share > NEAR_LIMIT ? "near" : "";
   };
   const setCard = (key, value, note = "", bad = false) => {
     if (!cards[key]) return;
@@ -123,7 +133,11 @@ const testPage = (() => {
     card("time", "time of the test");
     card("safety", "safety layer");
     if (stateWords().length) card("pc", "predictor-corrector");
-    for (const axis of axes) if (axis.command && axis.measured) card(`error.${axis.name}`, `tracking error, ${titleOf(axis)}`);
+    for (const axis of axes) {
+      if (map.limits?.[axis.name] && axis.measured) card(`motion.${axis.name}`, `displacement, ${titleOf(axis)}`);
+      if (map.limits?.[axis.name] && axis.machineForce) card(`force.${axis.name}`, `force, ${titleOf(axis)}`);
+      if (axis.command && axis.measured) card(`error.${axis.name}`, `tracking error, ${titleOf(axis)}`);
+    }
     card("late", "latest step");
     card("overruns", "overruns");
   };
@@ -159,9 +173,11 @@ const testPage = (() => {
       setCard("pc", map.pc_states[String(live.value(pc))] ?? "–", slow == null ? "" : `slow-down in the last step ${ms(slow)} ms`, slow > 0);
     }
     for (const axis of axes) {
-      if (!axis.command || !axis.measured) continue;
-      const error = live.value(axis.measured) - live.value(axis.command), q = quantities.axis(`[${unitOf(axis.command)}]`, 1e-3);
-      setCard(`error.${axis.name}`, `${quantities.number(error * q.factor, 3)} ${q.unit}`, "measured − command");
+      const limits = map.limits?.[axis.name];
+      if (limits && axis.measured) setLimited(`motion.${axis.name}`, live.value(axis.measured), unitOf(axis.measured), limits.displacement, "");
+      if (limits && axis.machineForce) setLimited(`force.${axis.name}`, live.value(axis.machineForce), unitOf(axis.machineForce), limits.force, "");
+      if (axis.command && axis.measured)
+        setLimited(`error.${axis.name}`, live.value(axis.measured) - live.value(axis.command), unitOf(axis.command), limits?.tracking, "measured − command");
     }
   };
 

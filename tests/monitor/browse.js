@@ -53,6 +53,7 @@ const questions = {
     say("nodes", [...document.querySelectorAll("#test-nodes tbody tr")].map(r => `${r.children[0].textContent} ${r.children[1].textContent}`).join(", "));
     say("loop", find("Force by displacement, longitudinal").getAttribute("aria-label").includes("mm"));
     say("fits", document.documentElement.scrollWidth <= innerWidth);
+    say("limits", [...document.querySelectorAll("#test-cards .limit:not([hidden])")].map(bar => bar.previousSibling.textContent.replace(/.* of /, "").replace("\u202f", " ")).join(", "));
     say("ground", getComputedStyle(document.body).backgroundColor);
   },
   time: async () => {

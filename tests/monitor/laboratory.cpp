@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -81,6 +82,11 @@ Laboratory::~Laboratory() {
   broker::remove_ring(name_);
 }
 
+std::vector<double> Laboratory::durations() {
+  const std::scoped_lock lock{mutex_};
+  return std::exchange(durations_, {});
+}
+
 void Laboratory::run() {
   broker::Node machine = ring_.join("srmd", 0), controller = ring_.join("xpc", 0);
   const TearGroupId of_controller = ring_.tear_group("monitor.xpc");
@@ -95,6 +101,7 @@ void Laboratory::run() {
     const std::array<std::uint32_t, 4> words{word_of(command), word_of(command - 1e-4),
                                              word_of(gain * 1e5 * std::sin(phase)),
                                              word_of(static_cast<double>(step))};
+    const TimePoint begun = clock.now();
     static_cast<void>(controller.write_group(of_controller, words));
     controller.beat();
     if (trips_.exchange(false))  // velocity of the command along the first axis
@@ -104,6 +111,12 @@ void Laboratory::run() {
       static_cast<void>(machine.write(LongwordOffset{kExtra + static_cast<std::uint32_t>(i)},
                                       word_of(std::sin(phase + i))));
     machine.beat();
+    const double duration = to_seconds(clock.now() - begun);
+    {
+      constexpr std::size_t kMost = 100'000;
+      const std::scoped_lock lock{mutex_};
+      if (durations_.size() < kMost) durations_.push_back(duration);
+    }
     steps_.store(step + 1);
     next += std::chrono::milliseconds{1};
     clock.sleep_until(next);

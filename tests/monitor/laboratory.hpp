@@ -2,9 +2,10 @@
 #pragma once
 
 #include <atomic>
-#include <optional>
+#include <mutex>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include <rths/broker/ring.hpp>
 #include <rths/monitor/server.hpp>
@@ -26,6 +27,8 @@ class Laboratory {
   void trip() { trips_.store(true); }
   /// Steps until now.
   [[nodiscard]] std::uint64_t steps() const { return steps_.load(); }
+  /// Times that the writes of each step took since the last call, at most of 100 s [s].
+  [[nodiscard]] std::vector<double> durations();
 
  private:
   void run();
@@ -35,6 +38,8 @@ class Laboratory {
   int words_;
   std::atomic<bool> ends_{false}, trips_{false};
   std::atomic<std::uint64_t> steps_{0};
+  std::mutex mutex_;  ///< of the durations
+  std::vector<double> durations_;
   std::thread thread_;
 };
 

@@ -3,7 +3,7 @@
 // The live page in Chromium.
 #include <chrono>
 #include <filesystem>
-#include <fstream>
+#include <limits>
 #include <optional>
 #include <string>
 #include <thread>
@@ -79,12 +79,14 @@ const std::vector<std::string> kTestPage{
 
 TEST_F(LivePage, ShowsMovingValuesInLight) {
   const Laboratory laboratory{unique_ring("light")};
-  const PageServer server{settings_for(unique_ring("light"))};
+  auto settings = settings_for(unique_ring("light"));
+  settings.limits = {{"long", 0.02, std::numeric_limits<double>::infinity(), 1e-3}};
+  const PageServer server{settings};
 
   const std::string answers = Browser{server, "['test']"}.answers();
 
   EXPECT_EQ(missing(answers, kTestPage), "") << answers;
-  EXPECT_EQ(missing(answers, {"ground: rgb(245, 246, 248)"}), "") << answers;
+  EXPECT_EQ(missing(answers, {"limits: 20 mm, 1 mm", "ground: rgb(245, 246, 248)"}), "") << answers;
 }
 
 TEST_F(LivePage, FitsANarrowScreenInTheDark) {

@@ -6,10 +6,19 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <rths/recording/roles.hpp>
 
 namespace rths::monitor {
+
+/// Limits of the safety layer of an axis. An infinite one is off.
+struct ShownLimits {
+  std::string axis;         ///< "long", "lat"
+  double displacement = 0;  ///< ± [m]
+  double force = 0;         ///< ± [N]
+  double tracking = 0;      ///< measured motion from the command ± [m]
+};
 
 /// What a server shows, and to whom.
 struct ServerSettings {
@@ -20,6 +29,7 @@ struct ServerSettings {
   bool controls = false;       ///< parameters can be changed
   std::filesystem::path runs;  ///< folder with the results of runs; empty: none
   std::function<recording::Roles(const memmap::Map&)> roles_of;  ///< words of the test
+  std::vector<ShownLimits> limits;
   std::size_t history_bytes = std::size_t{128} << 20U;
   /// Compares the runs of two folders: a text. May throw Error; empty: nothing is compared.
   std::function<std::string(const std::filesystem::path&, const std::filesystem::path&)> compare;
