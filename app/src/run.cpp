@@ -138,7 +138,11 @@ class PageOfRun {
 
 int run(const RunArguments& arguments) {
   std::optional<PageOfRun> page;
-  if (arguments.views) page.emplace(arguments);
+  if (arguments.views) {
+    // Finds mistakes before the page does, and keeps the modes of a large plant for it.
+    static_cast<void>(load_experiment(arguments.settings.experiment, arguments.settings.changes));
+    page.emplace(arguments);
+  }
   ShownProgress progress;
   const Output output{arguments.json};
   std::optional<session::RunResult> test;

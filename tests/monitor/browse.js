@@ -153,6 +153,22 @@ const questions = {
     say("value", await until(() => rows()[0].children[1].textContent === "2.000"));
     say("event", await until(() => byId("test-events").textContent.includes("tune.srmd.gain: 1 to 2")));
   },
+  ring: async () => {
+    byId("tab-ring").click();
+    say("hop", await until(() => byId("ring-hosts").querySelector("tbody tr")) &&
+      [...byId("ring-hosts").querySelectorAll("tbody td")].map(cell => cell.textContent).join(" "));
+    say("violation", await until(() => byId("violations").querySelector("tbody tr")) && byId("violations").querySelector("tbody td").textContent);
+    say("is said", byId("no-violations").hidden);
+  },
+  runs: async () => {
+    byId("tab-runs").click();
+    await until(() => byId("runs").querySelectorAll("tbody tr").length === 2);
+    say("runs", [...byId("runs").querySelectorAll("tbody tr")].map(r => r.children[2].textContent).sort().join(", "));
+    say("report", byId("runs").querySelector("a").getAttribute("href"));
+    for (const box of byId("runs").querySelectorAll("input")) box.click();
+    byId("compare").click();
+    say("compared", await until(() => /one and two|two and one/.test(byId("comparison").textContent)));
+  },
   trip: async () => {
     say("ready", await until(() => byId("state").textContent.includes("live") && live.state.now > 1000));
     while (!byId("trips").textContent) await pause(2);

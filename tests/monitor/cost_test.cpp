@@ -99,7 +99,9 @@ TEST(Cost, OfFiftyPagesToAWriter) {
     const View view{unique_ring("cost")};
     const Pages pages{view.port, kPages, "0,1,2,10,11,12,13,14,15,16"};
     std::this_thread::sleep_for(std::chrono::seconds{1});
+    const long frames = pages.live_frames();
     with.push_back(p99_in(laboratory, 10));
+    EXPECT_GE(pages.live_frames() - frames, kPages * 10 * 20);
   }
 
   const double least_without = *std::min_element(without.begin(), without.end());

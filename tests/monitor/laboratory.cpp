@@ -28,6 +28,7 @@ size_bytes = 65536
 [nodes]
 srmd = 1
 xpc = 2
+gateway_east = 3
 operator = 200
 )",
                                  name);
@@ -58,6 +59,9 @@ operator = 200
   signal("host.late_max", 21, "f32", "s");
   partition("tune.srmd", "operator", 32, 1, false);
   signal("gain", 32, "f32", "1", "initial = 1\nrange = [0.5, 2]\nevent = true");
+  partition("gateway.east", "gateway_east", 48, 2, false);
+  signal("age.srmd", 48, "f32", "s", "initial = 0.002");
+  signal("delay.srmd", 49, "f32", "s", "initial = 0.0005");
   if (words > 0) partition("extra", "srmd", static_cast<int>(kExtra), words, false);
   for (int i = 0; i < words; ++i)
     signal(std::to_string(i), static_cast<int>(kExtra) + i, "f32", "m");

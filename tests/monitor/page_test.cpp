@@ -156,6 +156,45 @@ TEST_F(LivePage, ChangesAParameterWithTheTokenOnly) {
       << answers;
 }
 
+TEST_F(LivePage, ShowsHostsAndViolationsOfOwnership) {
+  const Laboratory laboratory{unique_ring("ring")};
+  const PageServer server{settings_for(unique_ring("ring"))};
+  Browser browser{server, "['test', 'ring']"};
+  auto other = broker::Ring::attach(unique_ring("ring"));
+  broker::Node client = other.join_plain("");
+  for (int i = 0; i < 3000 && server.viewers() == 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds{10});
+
+  client.plain_memory()[32] = 7;  // the parameter, which nobody writes
+
+  const std::string answers = browser.answers();
+  EXPECT_EQ(missing(answers, {"hop: srmd east 2.00 0.50", "violation: tune.srmd.gain",
+                              "is said: true", "errors: none"}),
+            "")
+      << answers;
+}
+
+TEST_F(LivePage, ListsAndComparesRuns) {
+  const test::TemporaryFolder folder;
+  for (const std::string run : {"one", "two"}) {
+    std::filesystem::create_directory(folder.path() / run);
+    folder.write(run + "/run.h5", "");
+    folder.write(run + "/report.html", "");
+    folder.write(run + "/report.json", R"({"name": ")" + run + R"(", "conclusive": true})");
+  }
+  auto settings = settings_for(unique_ring("results"));
+  settings.runs = folder.path();
+  settings.compare = [](const auto& a, const auto& b) {
+    return a.filename().string() + " and " + b.filename().string();
+  };
+  const PageServer server{settings};
+
+  const std::string answers = Browser{server, "['runs']"}.answers();
+
+  EXPECT_EQ(missing(answers, {"runs: one, two", "compared: true", "errors: none"}), "") << answers;
+  EXPECT_NE(answers.find("/report.html\n"), std::string::npos) << answers;
+}
+
 // The page has 0.2 s from the write of the safety layer. A busy host may delay one trip.
 TEST_F(LivePage, ShowsATripWithinAFifthOfASecond) {
   const auto now_ms = [] {

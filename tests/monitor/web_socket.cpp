@@ -7,6 +7,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -121,7 +122,7 @@ std::optional<WebSocket::Frame> WebSocket::receive(double seconds) {
       }
     }
     const double left = std::chrono::duration<double>(until - steady_clock::now()).count();
-    if (left <= 0 || !read_more(left)) return std::nullopt;
+    if (!read_more(std::max(0.0, left))) return std::nullopt;
   }
 }
 
