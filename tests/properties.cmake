@@ -43,6 +43,8 @@ rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horiz
 # Others that take long.
 rths_long(rths_judgement_test unit "Smallest\\.FaultThatIsFound")
 rths_long(rths_commissioning_command_test system "^Machines/PretestOfExample")
+# Minutes on an idle host.
+rths_long(rths_monitor_test system "^Cost\\.")
 rths_long(rths_bench_command_test system "^SrmdBench\\.DoesNotRepeat")
 
 # All tests of the cards: ctest -L scramnet

@@ -95,6 +95,8 @@ void add_new(CommandLine& line);
 void add_replay(CommandLine& line);
 void add_test(CommandLine& line);
 void add_dump(CommandLine& line);
+void add_view(CommandLine& line);
+void add_top(CommandLine& line);
 void add_who(CommandLine& line);
 void add_watch(CommandLine& line);
 void add_send(CommandLine& line);

@@ -39,11 +39,11 @@ namespace {
 
 // In the order of the help.
 constexpr void (*kCommands[])(CommandLine&) = {
-    add_run,      add_node,  add_check,    add_export,    add_report, add_compare,
-    add_diagnose, add_loop,  add_terms,    add_plant,     add_map,    add_new,
-    add_replay,   add_test,  add_dump,     add_who,       add_watch,  add_send,
-    add_bridge,   add_ring,  add_fault,    add_stop,      add_doctor, add_clean,
-    add_bench,    add_delay, add_identify, add_calibrate, add_pretest};
+    add_run,      add_node,      add_check,  add_export, add_report, add_compare, add_diagnose,
+    add_loop,     add_terms,     add_plant,  add_map,    add_new,    add_replay,  add_test,
+    add_dump,     add_view,      add_top,    add_who,    add_watch,  add_send,    add_bridge,
+    add_ring,     add_fault,     add_stop,   add_doctor, add_clean,  add_bench,   add_delay,
+    add_identify, add_calibrate, add_pretest};
 
 // Names of a ring's or a recording's signals.
 std::vector<std::string> signals_of(const std::string& source) {

@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <rths/app/builtin_adapters.hpp>
+#include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 #include <rths/session/run.hpp>
 
@@ -17,6 +24,7 @@ struct RunArguments {
   std::string clock = "wall";
   std::vector<std::string> sets;  ///< key=value
   bool json = false;
+  bool views = false;
 };
 
 struct NodeArguments {
@@ -87,7 +95,54 @@ class Output {
   bool json_;
 };
 
+/// The page of a run: `rths view` in a process of its own, until the run has ended. Its address
+/// goes to standard error.
+class PageOfRun {
+ public:
+  /// @throws Error if the process cannot be started
+  explicit PageOfRun(const RunArguments& run) {
+    std::vector<std::string> words = words_for(run);
+    std::vector<char*> arguments;
+    for (auto& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    pid_ = fork();
+    if (pid_ < 0) throw Error{"the page of the run cannot be started: no process is free"};
+    if (pid_ > 0) return;
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    setpgid(0, 0);  // a Ctrl-C is for the run: the page shows how it ends
+    dup2(STDERR_FILENO, STDOUT_FILENO);
+    execv("/proc/self/exe", arguments.data());
+    _exit(kFailure);
+  }
+  ~PageOfRun() {
+    kill(pid_, SIGTERM);
+    waitpid(pid_, nullptr, 0);
+  }
+  PageOfRun(const PageOfRun&) = delete;
+  PageOfRun& operator=(const PageOfRun&) = delete;
+
+ private:
+  static std::vector<std::string> words_for(const RunArguments& run) {
+    const auto& settings = run.settings;
+    std::vector<std::string> words{"rths", "view", "--experiment", settings.experiment.string()};
+    if (!settings.ring.empty()) words.push_back(settings.ring);
+    for (const auto& set : run.sets) words.insert(words.end(), {"--set", set});
+    if (!settings.out.empty()) {
+      const auto folder = std::filesystem::absolute(settings.out).parent_path();
+      words.insert(words.end(), {"--runs", folder.string()});
+    }
+    return words;
+  }
+  pid_t pid_ = -1;
+};
+
 int run(const RunArguments& arguments) {
+  std::optional<PageOfRun> page;
+  if (arguments.views) {
+    // Finds mistakes before the page does, and keeps the modes of a large plant for it.
+    static_cast<void>(load_experiment(arguments.settings.experiment, arguments.settings.changes));
+    page.emplace(arguments);
+  }
   ShownProgress progress;
   const Output output{arguments.json};
   std::optional<session::RunResult> test;
@@ -122,6 +177,8 @@ int report(const ReportArguments& arguments) {
 
 void complete(RunArguments& given) {
   auto& settings = given.settings;
+  if (given.views && given.clock == "virtual")
+    throw CLI::ValidationError{"--view", "found --clock virtual, whose ring nobody else sees"};
   if (given.clock == "virtual") settings.clock = launch::ClockKind::Virtual;
   settings.repeats_late = given.clock == "auto";
   settings.changes = split_changes(given.sets);
@@ -162,6 +219,7 @@ void add_run(CommandLine& line) {
           ->check(CLI::ExistingFile));
   command->add_flag("!--no-diagnosis", a.settings.diagnoses,
                     "Do not diagnose the recording at the end");
+  command->add_flag("--view", a.views, "Serve a page that shows the test live, as rths view");
   command->add_flag("--json", a.json, "One JSON document instead of lines");
 }
 

@@ -333,6 +333,7 @@ std::vector<std::string> Ring::writers_of(const std::vector<LongwordRange>& word
 }
 
 Waiter Ring::wait_for(const std::vector<LongwordRange>& words, Duration longest_spin) {
+  check_writable();
   auto state = std::make_unique<Waiter::State>();
   state->observer.emplace(observe());
   state->slot = state->observer->slot_;

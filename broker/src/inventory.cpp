@@ -47,17 +47,16 @@ std::string other_user_of(const struct stat& object) {
   return user != nullptr ? user->pw_name : std::to_string(object.st_uid);
 }
 
-void inspect_segment(RingReport& report) {
-  const auto segment = Segment::attach_shared(report.name);
-  const memmap::Map& map = segment->map();
-  report.bytes = common_bytes(segment->layout());
+void describe_segment(Segment& segment, RingReport& report) {
+  const memmap::Map& map = segment.map();
+  report.bytes = common_bytes(segment.layout());
   report.map_name = map.description().name;
   report.map_version = map.description().version;
   report.map_hash = memmap::hash_text(map.hash());
-  const std::uint64_t cards = std::atomic_ref{segment->header().cards_in_use}.load();
+  const std::uint64_t cards = std::atomic_ref{segment.header().cards_in_use}.load();
   report.cards = static_cast<std::uint32_t>(std::popcount(cards));
-  describe_occupants(*segment, map, report);
-  describe_groups(*segment, map, report);
+  describe_occupants(segment, map, report);
+  describe_groups(segment, map, report);
   report.usable = true;
 }
 
@@ -71,7 +70,7 @@ std::optional<RingReport> inspect(const std::string& name) {
   try {
     if (!report.other_user.empty())
       throw ForeignRing{fmt::format("ring '{}' belongs to user {}", name, report.other_user)};
-    inspect_segment(report);
+    describe_segment(*Segment::attach_shared(report.name), report);
   } catch (const ForeignRing& error) {
     report.foreign = true;
     report.trouble = error.what();
@@ -82,6 +81,13 @@ std::optional<RingReport> inspect(const std::string& name) {
 }
 
 }  // namespace
+
+RingReport Ring::report() {
+  RingReport report;
+  report.name = segment_->name();
+  describe_segment(*segment_, report);
+  return report;
+}
 
 std::vector<RingReport> list_rings() {
   std::vector<RingReport> reports;

@@ -140,23 +140,8 @@ struct Node::GroupAccess : GroupView {
 };
 
 Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, bool plain)
-    : segment_{&segment},
-      words_{segment.words()},
-      membership_{segment.enter()},
-      slot_{claim_slot(segment, id ? id->value() : kObserver)},
-      claim_{shared(segment.slots()[slot_].claim).load()} {
-  shared(segment.slots()[slot_].plain)
-      .store(!id && plain ? 1 : 0);  // become_plain() sets it for a node of the map
-  shared(segment.slots()[slot_].node).store(id ? id->value() : kObserver);
-  if (id) {
-    if (const auto rival = conflicting_process(segment, segment.slots()[slot_], *id)) {
-      leave();
-      throw Error{
-          fmt::format("node '{}' is already on the ring, as {}; end that process, or join as "
-                      "another node",
-                      map.node_name(*id), in_words(*rival))};
-    }
-  }
+    : segment_{&segment}, words_{segment.words()}, membership_{segment.enter()} {
+  if (!segment.is_read_only()) take_slot(map, id, plain);
   try {
     segment.populate();
     for (const GroupView& group : segment.groups()) {
@@ -168,6 +153,21 @@ Node::Node(Segment& segment, const memmap::Map& map, std::optional<NodeId> id, b
   } catch (...) {
     leave();
     throw;
+  }
+}
+
+void Node::take_slot(const memmap::Map& map, std::optional<NodeId> id, bool plain) {
+  slot_ = claim_slot(*segment_, id ? id->value() : kObserver);
+  Slot& slot = segment_->slots()[slot_];
+  claim_ = shared(slot.claim).load();
+  shared(slot.plain).store(!id && plain ? 1 : 0);  // become_plain() sets it for a node of the map
+  shared(slot.node).store(id ? id->value() : kObserver);
+  if (!id) return;
+  if (const auto rival = conflicting_process(*segment_, slot, *id)) {
+    leave();
+    throw Error{fmt::format(
+        "node '{}' is already on the ring, as {}; end that process, or join as another node",
+        map.node_name(*id), in_words(*rival))};
   }
 }
 

@@ -60,6 +60,17 @@ Ring Ring::create_new(const std::string& name, const memmap::Map& map, std::uint
 
 Ring Ring::attach(const std::string& name) { return Ring{Segment::attach_shared(name)}; }
 
+Ring Ring::look_at(const std::string& name) {
+  return Ring{Segment::attach_shared(name, ObjectAccess::ReadOnly)};
+}
+
+bool Ring::is_current() const { return segment_->has_name(); }
+
+void Ring::check_writable() const {
+  if (segment_->is_read_only())
+    throw Error{"this is a look at the ring, expected one that is attached"};
+}
+
 Ring Ring::in_process(const memmap::Map& map, std::uint32_t journal_bits) {
   return Ring{Segment::create_in_process(map, journal_bits)};
 }
@@ -67,6 +78,7 @@ Ring Ring::in_process(const memmap::Map& map, std::uint32_t journal_bits) {
 const memmap::Map& Ring::map() const { return *map_; }
 
 Node Ring::join(const std::string& node, std::uint64_t map_hash) {
+  check_writable();
   const std::uint64_t ring_hash = segment_->layout().map_hash;
   if (map_hash != 0 && map_hash != ring_hash)
     throw Error{fmt::format("node '{}' was built for map {}, the ring has map '{}' {}", node,
@@ -76,6 +88,7 @@ Node Ring::join(const std::string& node, std::uint64_t map_hash) {
 }
 
 Node Ring::join_plain(const std::string& node) {
+  check_writable();
   const auto id = node.empty() ? std::nullopt : std::optional{map_->node(node)};
   return Node{*segment_, *map_, id, true};
 }

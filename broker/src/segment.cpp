@@ -89,6 +89,7 @@ static Heap zeroed_heap(std::uint64_t bytes) {
 // Either a shared object or private memory of this process.
 struct Segment::Memory {
   std::optional<SharedObject> object;
+  ObjectAccess access = ObjectAccess::ReadWrite;
   Mapping common;
   std::vector<Mapping> journals;
   std::string name;  ///< of a shared object
@@ -102,9 +103,9 @@ struct Segment::Memory {
       return journal_heaps[index].get();
     }
     if (journals[index].address() == nullptr) {
-      object->reserve(begin, bytes);
+      if (access == ObjectAccess::ReadWrite) object->reserve(begin, bytes);
       journals[index] = object->map(begin, bytes);
-      populate_pages(journals[index], bytes);
+      if (access == ObjectAccess::ReadWrite) populate_pages(journals[index], bytes);
     }
     return journals[index].address();
   }
@@ -128,7 +129,7 @@ Segment::~Segment() {
 }
 
 void Segment::populate() {
-  if (!memory_->object || populated_) return;
+  if (!memory_->object || populated_ || is_read_only()) return;
   populate_pages(memory_->common, reserved_bytes(layout_));
   populated_ = true;
 }
@@ -145,8 +146,16 @@ bool Segment::is_member(Claim claim) const {
   return memory_->object ? memory_->object->members().has(claim) : claim == own_claim();
 }
 
+bool Segment::is_read_only() const { return memory_->access == ObjectAccess::ReadOnly; }
+
+const std::string& Segment::name() const { return memory_->name; }
+
+bool Segment::has_name() const {
+  return !memory_->object || memory_->object->has_name(memory_->name);
+}
+
 std::unique_ptr<Membership> Segment::enter() const {
-  if (!memory_->object) return nullptr;
+  if (!memory_->object || is_read_only()) return nullptr;
   try {
     auto membership = memory_->object->enter();
     if (!memory_->object->has_name(memory_->name)) throw Error{"it was removed"};
@@ -192,11 +201,12 @@ std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const m
   }
 }
 
-std::unique_ptr<Segment> Segment::attach_shared(const std::string& name) {
+std::unique_ptr<Segment> Segment::attach_shared(const std::string& name, ObjectAccess access) {
   auto memory = std::make_unique<Memory>();
   memory->name = name;
+  memory->access = access;
   try {
-    memory->object.emplace(SharedObject::open(name));
+    memory->object.emplace(SharedObject::open(name, access));
   } catch (const Error& error) {
     const auto rings = ring_names();
     if (!contains(rings, name))

@@ -47,7 +47,8 @@ class Segment {
                                                 std::uint32_t journal_bits);
   /// @throws ForeignRing if the object may not be opened or its layout version differs; Error if it
   ///         is not a ring, or its header, map, groups or size contradict each other
-  static std::unique_ptr<Segment> attach_shared(const std::string& name);
+  static std::unique_ptr<Segment> attach_shared(const std::string& name,
+                                                ObjectAccess access = ObjectAccess::ReadWrite);
   static std::unique_ptr<Segment> create_in_process(const memmap::Map& map,
                                                     std::uint32_t journal_bits);
 
@@ -70,10 +71,17 @@ class Segment {
   [[nodiscard]] std::uint32_t* words() { return at<std::uint32_t>(layout_.memory_at); }
   [[nodiscard]] Wake& wake() { return *at<Wake>(kWakeAt); }
   /// Shows this process to all others on the ring while the result exists; null for a ring of one
-  /// process. @throws Error if the ring was removed, or is being removed   @setup
+  /// process, and for one that is read only. @throws Error if the ring was removed, or is being
+  /// removed   @setup
   [[nodiscard]] std::unique_ptr<Membership> enter() const;
   /// True if a process runs and is on the ring.   @setup
   [[nodiscard]] bool is_member(Claim claim) const;
+  /// True if this process can change nothing: any store to the memory would end it.
+  [[nodiscard]] bool is_read_only() const;
+  /// Of the ring; empty for a ring of one process.
+  [[nodiscard]] const std::string& name() const;
+  /// True if the ring of this name is this memory, not one that has replaced it.   @setup
+  [[nodiscard]] bool has_name() const;
   /// True once a page of the memory was lost, or its header was overwritten.   @realtime
   [[nodiscard]] bool is_lost() const noexcept;
   /// The journal of a node, by the node's index in the map. The first call reserves space for it

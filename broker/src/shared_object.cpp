@@ -61,7 +61,8 @@ Mapping::~Mapping() {
   munmap(address_, bytes_);
 }
 
-SharedObject::SharedObject(int descriptor) : descriptor_{descriptor} {
+SharedObject::SharedObject(int descriptor, ObjectAccess access)
+    : descriptor_{descriptor}, access_{access} {
   if (descriptor < 0) fail(errno);
   try {
     const struct stat status = status_of(descriptor);
@@ -75,6 +76,7 @@ SharedObject::SharedObject(int descriptor) : descriptor_{descriptor} {
 
 SharedObject::SharedObject(SharedObject&& other) noexcept
     : descriptor_{std::exchange(other.descriptor_, -1)},
+      access_{other.access_},
       device_{other.device_},
       inode_{other.inode_},
       lost_{std::move(other.lost_)} {}
@@ -95,8 +97,9 @@ void SharedObject::publish(const std::string& ring) const {
     fail(errno);
 }
 
-SharedObject SharedObject::open(const std::string& ring) {
-  return SharedObject{shm_open(path_of(ring).c_str(), O_RDWR | O_CLOEXEC, 0)};
+SharedObject SharedObject::open(const std::string& ring, ObjectAccess access) {
+  const int mode = access == ObjectAccess::ReadOnly ? O_RDONLY : O_RDWR;
+  return SharedObject{shm_open(path_of(ring).c_str(), mode | O_CLOEXEC, 0), access};
 }
 
 std::optional<SharedObject> SharedObject::open_to_remove(const std::string& ring) {
@@ -140,8 +143,9 @@ void SharedObject::reserve(std::uint64_t begin, std::uint64_t bytes) const {
 }
 
 Mapping SharedObject::map(std::uint64_t begin, std::uint64_t bytes) const {
-  void* address = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_,
-                       static_cast<off_t>(begin));
+  const int protection = access_ == ObjectAccess::ReadOnly ? PROT_READ : PROT_READ | PROT_WRITE;
+  void* address =
+      mmap(nullptr, bytes, protection, MAP_SHARED, descriptor_, static_cast<off_t>(begin));
   if (address == MAP_FAILED) fail(errno);
   return {static_cast<std::byte*>(address), bytes, *lost_};
 }

@@ -27,26 +27,6 @@ std::string base64(std::span<const std::byte> bytes) {
   return text;
 }
 
-// The data as JSON, with every "<" escaped: "</script>" or "<!--" in a text would end or change the
-// enclosing element.
-std::string escaped(const Json& data) {
-  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
-  for (auto at = text.find('<'); at != std::string::npos; at = text.find('<', at))
-    text.replace(at, 1, "\\u003c");
-  return text;
-}
-
-std::string joined(const std::vector<std::string_view>& files) {
-  std::string text;
-  for (const auto file : files) text += file;
-  return text;
-}
-
-void fill_in(std::string& page, const std::string& mark, std::string_view text) {
-  const auto position = page.find(mark);
-  if (position != std::string::npos) page.replace(position, mark.size(), text);
-}
-
 }  // namespace
 
 Json packed(const std::vector<double>& values, double scale) {
@@ -68,13 +48,7 @@ std::vector<double> thinned(const std::vector<double>& values, std::size_t most)
 }
 
 std::string assemble(const PageSections& sections, const Json& data) {
-  std::string page{sections.html};
-  fill_in(page, "/*plot-style*/", web::kUplotCss);
-  fill_in(page, "/*style*/", joined(sections.styles));
-  fill_in(page, "/*plot-script*/", web::kUplotJs);
-  fill_in(page, "/*script*/", joined(sections.scripts));
-  fill_in(page, "/*data*/", escaped(data));  // last, because data may contain the marks
-  return page;
+  return web::assemble(sections, data.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace rths::report

@@ -5,29 +5,24 @@
 #include <string_view>
 #include <vector>
 
+#include <rths/web/page.hpp>
+
 #include "numbers.hpp"
 
-/// Contents of the files of report/web and of the plotting library, embedded when the command is
-/// built.
+/// Contents of the files of report/web, embedded when the command is built.
 namespace rths::report::web {
 
-extern const std::string_view kReportHtml, kReportCss, kReportJs;
-extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs;
+using namespace rths::web;
+extern const std::string_view kReportHtml, kReportJs;
 extern const std::string_view kVerdictCss, kSentenceJs, kStructureJs;
 extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;
-extern const std::string_view kQuantitiesJs, kChartsJs, kCurtainJs, kVerdictJs, kWhereJs, kProofJs,
-    kBudgetJs;
-extern const std::string_view kUplotJs, kUplotCss;
+extern const std::string_view kCurtainJs, kVerdictJs, kWhereJs, kProofJs, kBudgetJs;
 
 }  // namespace rths::report::web
 
 namespace rths::report {
 
-/// Files of report/web that make a page: the HTML file, and the files that replace its marks.
-struct PageSections {
-  std::string_view html;
-  std::vector<std::string_view> styles, scripts;  ///< in addition to those of the plotting library
-};
+using rths::web::PageSections;
 
 /// The complete page: style, scripts and data in one self-contained file.
 [[nodiscard]] std::string assemble(const PageSections& sections, const Json& data);

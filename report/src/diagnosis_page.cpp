@@ -107,7 +107,7 @@ std::string verdict_page(const diagnosis::Verdict& given) {
   data["traces"] =
       each(shown, [&](const diagnosis::Trace* trace) { return trace_data(*trace, most); });
   return assemble({web::kDiagnosisHtml,
-                   {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
+                   {web::kPageCss, web::kVerdictCss, web::kDiagnosisCss},
                    {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
                     web::kSentenceJs, web::kChartsJs, web::kCurtainJs, web::kVerdictJs,
                     web::kBudgetJs, web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},

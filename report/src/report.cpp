@@ -119,7 +119,7 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
 // The complete page of a run: style, scripts and data in one self-contained file.
 std::string page_of(const Analysis& analysis, const Json& numbers) {
   return assemble({web::kReportHtml,
-                   {web::kReportCss, web::kVerdictCss},
+                   {web::kPageCss, web::kVerdictCss},
                    {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
                     web::kChartsJs, web::kSentenceJs, web::kStructureJs, web::kReportJs}},
                   page_data(analysis, numbers));

@@ -14,7 +14,9 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/broker/follow.hpp>
 #include <rths/broker/ring.hpp>
+#include <rths/core/error.hpp>
 
 #include "broker/src/segment.hpp"
 #include "support/files.hpp"
@@ -192,6 +194,42 @@ TEST(SharedRing, KeepsADeadNodeVisibleWhenOthersJoin) {
   EXPECT_EQ(controller.presence_of(NodeId{1}).state, Presence::State::Vanished);
   const Node successor = ring.join("machine", 0);
   EXPECT_EQ(controller.presence_of(NodeId{1}).state, Presence::State::Alive);
+}
+
+// A store through a look would end this process.
+TEST(SharedRing, IsLookedAtWithoutATrace) {
+  const RingRemoval ring{unique_ring("look")};
+  Ring made = Ring::create(ring.name, small_map());
+  Node writer = made.join("controller", 0);
+  const auto before = made.report().occupants.size();
+
+  Ring look = Ring::look_at(ring.name);
+  const Node observer = look.observe();
+  Follower follower = look.follow("controller");
+  ASSERT_EQ(writer.write(test::kControllerWord, 42), Status::Ok);
+  writer.beat();
+  Write write;
+
+  EXPECT_EQ(look.report().occupants.size(), before);
+  EXPECT_EQ(observer.read(test::kControllerWord), 42U);
+  EXPECT_EQ(follower.next(write), Followed::Write);
+  EXPECT_EQ(write.value, 42U);
+  EXPECT_EQ(observer.beats_of(look.map().node("controller")), 1U);
+  EXPECT_EQ(look.last_write(test::kControllerWord).node, "controller");
+  EXPECT_THROW(static_cast<void>(look.join("controller", 0)), Error);
+  EXPECT_THROW(static_cast<void>(look.wait_for({})), Error);
+}
+
+TEST(SharedRing, IsReplacedWhileItIsLookedAt) {
+  const RingRemoval ring{unique_ring("replaced")};
+  std::optional<Ring> first{Ring::create(ring.name, small_map())};
+  const Ring look = Ring::look_at(ring.name);
+  EXPECT_TRUE(look.is_current());
+
+  first.reset();
+  const Ring second = Ring::create(ring.name, small_map());
+
+  EXPECT_FALSE(look.is_current());
 }
 
 TEST(SharedRing, RefusesANameThatIsInUse) {

@@ -80,6 +80,16 @@ std::array<SafetyLimits, kTranslations.size()> read_limits(const Config& file,
   return axes;
 }
 
+std::vector<Axis> guarded_axes(const Experiment& setup, const std::vector<MachineAxis>& words) {
+  std::vector<Axis> axes;
+  for (const Axis axis : kTranslations) {
+    const bool is_moved = std::any_of(
+        words.begin(), words.end(), [&](const auto& moved) { return moved.name == name_of(axis); });
+    if (is_moved || (words.empty() && contains(setup.axes, axis))) axes.push_back(axis);
+  }
+  return axes;
+}
+
 SafeMachineSettings read_settings(const Config& changes, const Experiment& setup,
                                   const std::vector<MachineAxis>& words) {
   const auto file = find_file(changes, "file", "limits", "srmd");
@@ -103,13 +113,7 @@ SafeMachineSettings read_settings(const Config& changes, const Experiment& setup
   safety.hold = setup.stop.retreat.hold;
   safety.ramp = setup.stop.retreat.ramp;
   settings.axes = words;
-  const auto has_axis = [&](const std::string& name) {
-    if (words.empty()) return contains(setup.axes, name);
-    return std::any_of(words.begin(), words.end(),
-                       [&](const auto& axis) { return axis.name == name; });
-  };
-  for (std::size_t i = 0; i < kTranslations.size(); ++i)
-    if (has_axis(name_of(kTranslations[i]))) safety.axes.push_back(limits[i]);
+  for (const Axis axis : guarded_axes(setup, words)) safety.axes.push_back(limits[index_of(axis)]);
   // Checks what the keys cannot: relations between limits.
   static_cast<void>(
       changes.placed("safety", [&] { return controller::Safety{settings.safety}.state(); }));
@@ -138,6 +142,9 @@ NodeSettings with_safety(NodeSettings machine, const Config& table, const Experi
   if (machine.lacks_safety) return machine;
   auto make = std::exchange(machine.make, nullptr);
   machine.longest_stop = controller::longest_stop(read.safety);
+  std::size_t i = 0;
+  for (const Axis axis : guarded_axes(setup, words))
+    machine.safety_limits.emplace_back(name_of(axis), read.safety.axes[i++]);
   machine.make = [make = std::move(make), read](const Experiment& test,
                                                 const NodeContext& context) {
     SafeMachineSettings settings = read;

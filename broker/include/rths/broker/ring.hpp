@@ -25,6 +25,7 @@ class Follower;
 class Waiter;
 struct LastWrite;
 struct LongwordRange;
+struct RingReport;
 
 /// Reaction to the loss of memory: another program truncated the ring's object, or a page of a
 /// sparse memory could not be allocated. Without any, the kernel ends the process by SIGBUS.
@@ -134,13 +135,15 @@ class Node {
   /// A tear group with its addresses and the last read.
   struct GroupAccess;
 
+  void take_slot(const memmap::Map& map, std::optional<NodeId> id, bool plain);
   void take_over(const memmap::Map& map, NodeId id, bool plain);
   void become_plain(NodeId id) noexcept;
   Segment* segment_;
   std::uint32_t* words_;                    ///< of the ring
   std::unique_ptr<Membership> membership_;  ///< null on a ring of one process
-  std::uint32_t slot_;
-  std::uint64_t claim_;        ///< of the process that joined: a forked child does not leave for it
+  std::uint32_t slot_ = 0;
+  std::uint64_t claim_ = 0;    ///< of the process that joined: a forked child does not leave for
+                               ///< it; 0: it only looks
   std::vector<OwnRange> own_;  ///< without tear groups
   mutable std::vector<GroupAccess> groups_;  ///< caches the last read
   std::unique_ptr<Writer> writer_;           ///< of a node that may write
@@ -179,6 +182,12 @@ class Ring {
   /// Attaches to an existing ring.
   /// @throws Error if there is no such ring, its layout version differs or it is damaged   @setup
   [[nodiscard]] static Ring attach(const std::string& name);
+  /// Looks at an existing ring from outside: its memory is mapped read-only, and this process takes
+  /// no slot and no lock. So it cannot change or delay anything, and the ring can end and be
+  /// replaced meanwhile. `observe`, `follow`, `last_write` and `report` work; a node that observes
+  /// must not beat.
+  /// @throws Error as `attach`   @setup
+  [[nodiscard]] static Ring look_at(const std::string& name);
   /// A ring in private memory for one process, with the same words and rules.   @setup
   [[nodiscard]] static Ring in_process(const memmap::Map& map,
                                        std::uint32_t journal_bits = kInProcessJournalBits);
@@ -190,8 +199,8 @@ class Ring {
   [[nodiscard]] const memmap::Map& map() const;
   /// Joins as a node of the map.
   /// @param map_hash  of the map that the caller was built for; 0 accepts any map
-  /// @throws Error if the hashes differ (the message shows both), if the map has no such node, or
-  ///         if that node is already on the ring   @setup
+  /// @throws Error if the hashes differ (the message shows both), if the map has no such node, if
+  ///         that node is already on the ring, or if this is a look at it   @setup
   [[nodiscard]] Node join(const std::string& node, std::uint64_t map_hash);
   /// Joins as a node of the map that stores its words through a plain pointer, without this API:
   /// `Node::write` refuses them, no journal records them, and its tear groups are read word by word
@@ -207,11 +216,16 @@ class Ring {
   /// @setup
   [[nodiscard]] std::vector<std::string> writers_of(const std::vector<LongwordRange>& words) const;
   /// Waits for writes to these words, or to any word if `words` is empty. See follow.hpp.
-  /// @param longest_spin  before it sleeps; on a single processor it does not spin   @setup
+  /// @param longest_spin  before it sleeps; on a single processor it does not spin
+  /// @throws Error if this is a look at the ring   @setup
   [[nodiscard]] Waiter wait_for(const std::vector<LongwordRange>& words,
                                 Duration longest_spin = kLongestSpin);
   /// Writer and time of the last write to a word.   @setup
   [[nodiscard]] LastWrite last_write(LongwordOffset offset);
+  /// State of this ring.   @setup
+  [[nodiscard]] RingReport report();
+  /// True if the ring of this name is this one. False once it was removed or replaced.   @setup
+  [[nodiscard]] bool is_current() const;
   /// The tear group of a partition. @throws Error if the partition is not a tear group   @setup
   [[nodiscard]] TearGroupId tear_group(const std::string& partition) const;
 
@@ -219,6 +233,8 @@ class Ring {
   friend class Watch;
   explicit Ring(std::unique_ptr<Segment> segment);
   [[nodiscard]] Segment& segment() { return *segment_; }
+  /// @throws Error if this is a look at the ring
+  void check_writable() const;
   std::unique_ptr<Segment> segment_;
   const memmap::Map* map_;  ///< the segment's
 };

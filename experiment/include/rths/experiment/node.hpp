@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include <rths/controller/safety.hpp>
 #include <rths/core/clock.hpp>
 #include <rths/core/config.hpp>
 #include <rths/core/schedule.hpp>
@@ -87,6 +88,8 @@ struct NodeSettings {
   double start_deadline = 0;  ///< to become ready, beyond the time that every node has [s]
   bool lacks_safety = false;  ///< a machine whose commands pass no safety layer
   double longest_stop = 0;    ///< of its safety layer [s]; 0: that of the retreat
+  /// Limits of its safety layer by axis, for programs that show them.
+  std::vector<std::pair<std::string, controller::SafetyLimits>> safety_limits;
   MachineTable machine_table = MachineTable::Unused;
   SolverTraits solver;
   /// The node is this program of the user's own; then `make` may be empty.

@@ -36,6 +36,9 @@ class Mapping {
   std::uint64_t bytes_ = 0;
 };
 
+/// Whether a process may change an object, or only reads it.
+enum class ObjectAccess { ReadWrite, ReadOnly };
+
 /// The shared-memory object of a ring. Any program may have made it, and may change or truncate it
 /// at any time.
 class SharedObject {
@@ -47,7 +50,8 @@ class SharedObject {
   /// @throws Error if the name is taken
   void publish(const std::string& ring) const;
   /// @throws Error with the reason of the system
-  [[nodiscard]] static SharedObject open(const std::string& ring);
+  [[nodiscard]] static SharedObject open(const std::string& ring,
+                                         ObjectAccess access = ObjectAccess::ReadWrite);
   /// The same, to remove or replace the object: until it is closed, no process can join the ring.
   /// Empty if a process is on it, or another one removes it.
   [[nodiscard]] static std::optional<SharedObject> open_to_remove(const std::string& ring);
@@ -73,8 +77,9 @@ class SharedObject {
   [[nodiscard]] const std::atomic<bool>& lost() const { return *lost_; }
 
  private:
-  explicit SharedObject(int descriptor);
+  explicit SharedObject(int descriptor, ObjectAccess access = ObjectAccess::ReadWrite);
   int descriptor_;
+  ObjectAccess access_;
   dev_t device_ = 0;
   ino_t inode_ = 0;
   std::unique_ptr<std::atomic<bool>> lost_ = std::make_unique<std::atomic<bool>>(false);

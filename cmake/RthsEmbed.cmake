@@ -1,0 +1,33 @@
+# rths_embed(<result> <namespace> <files>…)
+#
+# <result> is a list of sources that hold the files byte for byte: chart.css is the std::string_view kChartCss of the
+# namespace, which a header declares.
+function(rths_embed result namespace)
+  set(folder ${CMAKE_CURRENT_BINARY_DIR}/embedded)
+  string(MAKE_C_IDENTIFIER ${namespace} prefix)
+  set(labels "/* Files of the pages, byte for byte. */\n  .section .rodata\n")
+  set(constants "#include <cstddef>\n#include <string_view>\n")
+  foreach(file IN LISTS ARGN)
+    get_filename_component(name ${file} NAME)
+    string(REGEX MATCHALL "[A-Za-z0-9]+" words ${name})
+    set(constant k)
+    foreach(word IN LISTS words)
+      string(SUBSTRING ${word} 0 1 first)
+      string(SUBSTRING ${word} 1 -1 rest)
+      string(TOUPPER ${first} first)
+      string(APPEND constant ${first}${rest})
+    endforeach()
+    set(label ${prefix}_${constant})
+    foreach(end begin end)
+      string(APPEND labels "  .global ${label}_${end}\n")
+    endforeach()
+    string(APPEND labels "${label}_begin:\n  .incbin \"${file}\"\n${label}_end:\n")
+    string(APPEND constants "extern \"C\" const char ${label}_begin[], ${label}_end[];\n"
+           "namespace ${namespace} {\nextern const std::string_view ${constant};\n"
+           "const std::string_view ${constant}{${label}_begin, static_cast<std::size_t>(${label}_end - ${label}_begin)};\n}\n")
+  endforeach()
+  file(CONFIGURE OUTPUT ${folder}/embedded.S CONTENT "${labels}  .section .note.GNU-stack,\"\",@progbits\n" @ONLY)
+  file(CONFIGURE OUTPUT ${folder}/embedded.cpp CONTENT "${constants}" @ONLY)
+  set_source_files_properties(${folder}/embedded.S PROPERTIES OBJECT_DEPENDS "${ARGN}")
+  set(${result} ${folder}/embedded.S ${folder}/embedded.cpp PARENT_SCOPE)
+endfunction()
