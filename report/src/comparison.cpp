@@ -22,24 +22,42 @@ namespace {
 
 using Values = std::vector<double>;
 
-// The pairs of names to compare.
+// A signal that both have, by its name, or by its role if no names are equal.
+struct CommonSignal {
+  std::string name, other_name, role;
+};
+
+std::vector<CommonSignal> common_signals(const ComparedFile& baseline, const ComparedFile& other) {
+  std::vector<CommonSignal> common;
+  for (const auto& [name, signal] : baseline.signals)
+    if (other.signals.contains(name)) common.push_back({name, name, name});
+  if (!common.empty()) return common;
+  for (const auto& [role, name] : baseline.roles)
+    if (const auto found = other.roles.find(role); found != other.roles.end())
+      common.push_back({name, found->second, role});
+  return common;
+}
+
+// The pairs of names to compare. @throws Error for the first pattern that matches none
 std::vector<std::pair<std::string, std::string>> pairs_of(const ComparedFile& baseline,
                                                           const ComparedFile& other,
                                                           const ComparisonSettings& settings) {
-  std::vector<std::pair<std::string, std::string>> pairs = settings.pairs;
+  auto pairs = settings.pairs;
   if (!pairs.empty() && settings.patterns.empty()) return pairs;
-  bool has_common = false;
-  for (const auto& [name, signal] : baseline.signals) {
-    has_common = has_common || other.signals.contains(name);
-    if (other.signals.contains(name) && matches(name, settings.patterns))
-      pairs.emplace_back(name, name);
-  }
-  if (has_common) return pairs;
-  for (const auto& [role, name] : baseline.roles)
-    if (const auto found = other.roles.find(role);
-        found != other.roles.end() &&
-        (matches(name, settings.patterns) || matches(role, settings.patterns)))
-      pairs.emplace_back(name, found->second);
+  const auto common = common_signals(baseline, other);
+  const auto is_of = [](const CommonSignal& signal, const std::vector<std::string>& patterns) {
+    return matches(signal.name, patterns) || matches(signal.role, patterns);
+  };
+  std::vector<std::string> names;
+  for (const auto& signal : common) names.push_back(signal.name);
+  for (const auto& pattern : settings.patterns)
+    if (!common.empty() && std::none_of(common.begin(), common.end(), [&](const auto& signal) {
+          return is_of(signal, {pattern});
+        }))
+      throw Error{
+          fmt::format("no common signal matches '{}'{}", pattern, did_you_mean(pattern, names))};
+  for (const auto& signal : common)
+    if (is_of(signal, settings.patterns)) pairs.emplace_back(signal.name, signal.other_name);
   return pairs;
 }
 
@@ -176,10 +194,9 @@ class Comparing {
 
  private:
   [[noreturn]] void throw_without_pairs() const {
-    throw Error{fmt::format(
-        "{} and {} have no common signal{}", result_.baseline.string(), result_.other.string(),
-        settings_.patterns.empty() ? ", expected equal names, equal roles, or --pair"
-                                   : " of these patterns")};
+    throw Error{
+        fmt::format("{} and {} have no common signal, expected equal names, equal roles, or --pair",
+                    result_.baseline.string(), result_.other.string())};
   }
 
   void set_times() {
