@@ -140,8 +140,11 @@ void judge(const Tolerance& tolerance, const PairedValues& paired, ComparedSigna
   }
 }
 
-std::vector<ComparedSetting> differences_of(const std::map<std::string, std::string>& a,
-                                            const std::map<std::string, std::string>& b) {
+// Files without an experiment have some settings at most, such as the map of a recorded ring.
+std::vector<ComparedSetting> differences_of(const ComparedFile& baseline,
+                                            const ComparedFile& other) {
+  const auto &a = baseline.settings, &b = other.settings;
+  const bool are_complete = baseline.has_experiment && other.has_experiment;
   std::set<std::string> keys;
   for (const auto& [key, value] : a) keys.insert(key);
   for (const auto& [key, value] : b) keys.insert(key);
@@ -151,7 +154,8 @@ std::vector<ComparedSetting> differences_of(const std::map<std::string, std::str
   };
   std::vector<ComparedSetting> differences;
   for (const auto& key : keys)
-    if (value_in(a, key) != value_in(b, key))
+    if (value_in(a, key) != value_in(b, key) &&
+        (are_complete || (a.contains(key) && b.contains(key))))
       differences.push_back({key, value_in(a, key), value_in(b, key)});
   return differences;
 }
@@ -185,9 +189,7 @@ class Comparing {
     set_times();
     for (const auto& [name, other_name] : pairs) compare(name, other_name);
     std::stable_sort(result_.signals.begin(), result_.signals.end(), is_before);
-    // Files of tables have no settings.
-    if (!baseline_.settings.empty() && !other_.settings.empty())
-      result_.settings = differences_of(baseline_.settings, other_.settings);
+    result_.settings = differences_of(baseline_, other_);
     note_others(pairs);
     return std::move(result_);
   }

@@ -8,20 +8,15 @@
 #include <vector>
 
 #include <rths/core/config.hpp>
+#include <rths/recording/message_fault.hpp>
 #include <rths/testkit/laboratory.hpp>
 
 namespace rths::testkit {
 
-/// A fault of a test; times count from its begin, when all programs are ready [s].
-struct PlannedFault {
-  double at = 0;
-  std::string kind;  ///< kill, freeze, drop, delay or flip
-  std::string node;
-  std::string program;            ///< that plays the node
-  std::string signal;             ///< of drop and flip
-  std::optional<double> lasting;  ///< empty: until the end [s]
-  double delay = 0;               ///< [s]
-  int bit = 0;
+/// A fault of a test, also of a whole program: kind is then kill or freeze. Times count from the
+/// begin of the test, when all programs are ready.
+struct PlannedFault : recording::MessageFault {
+  std::string program;  ///< that plays the node
 };
 
 /// An expectation of a test; times count from its begin [s].
