@@ -4,8 +4,10 @@
 #include <rths/core/text.hpp>
 #include <rths/report/comparison.hpp>
 #include <rths/session/folder.hpp>
+#include <rths/session/why.hpp>
 
 #include "command.hpp"
+#include "shown_progress.hpp"
 
 namespace rths::app {
 namespace {
@@ -17,6 +19,7 @@ struct CompareArguments {
   std::optional<double> absolute, relative, time_s;
   std::size_t most = 20;  ///< signals to list
   bool is_json = false;
+  bool asks_why = false;
 };
 
 void complete(CompareArguments& a) {
@@ -34,7 +37,16 @@ void complete(CompareArguments& a) {
 int compare(const CompareArguments& a) {
   const auto found = report::compare(session::recording_in(a.baseline),
                                      session::recording_in(a.other), a.settings);
-  fmt::print("{}", a.is_json ? report::json_of(found) : report::text_of(found, a.most));
+  if (!a.is_json) fmt::print("{}", report::text_of(found, a.most));
+  std::string why;
+  if (a.asks_why) {
+    std::fflush(stdout);
+    ShownProgress progress;
+    const auto difference = session::why(found, 1, progress.functions());
+    progress.end();
+    why = a.is_json ? session::json_of(difference) : session::text_of(difference);
+  }
+  fmt::print("{}", a.is_json ? report::json_of(found, why) : why);
   return found.broken() == 0 ? kOk : kConditionNotMet;
 }
 
@@ -67,6 +79,9 @@ void add_compare(CommandLine& line) {
   command->add_option("--from", a.settings.from, "First time of the baseline [s]");
   command->add_option("--to", a.settings.to, "Last time of the baseline [s]");
   command->add_option("--most", a.most, "Signals to list")->capture_default_str();
+  command->add_flag("--why", a.asks_why,
+                    "Also say why they differ: a mistake of signals, or a diagnosis of the other "
+                    "with the simulation of the baseline");
   command->add_flag("--json", a.is_json, "One JSON document instead of lines");
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::testkit {
 namespace {
@@ -76,6 +77,21 @@ Expectation read_expectation(const Config& table) {
   return expectation;
 }
 
+Baseline read_baseline(const Config& table) {
+  Baseline baseline;
+  baseline.file = table.resolve(table.text("file"));
+  const std::string patterns = table.text("signals", "");
+  for (const auto pattern : cells_of(patterns, ','))
+    if (!pattern.empty()) baseline.signals.emplace_back(pattern);
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  baseline.absolute = table.number_in("abs", 0, kLargest, 0.0);
+  baseline.relative = table.number_in("rel", 0, kLargest, 0.0);
+  baseline.time = time_of(table, "time_s", 0.0);
+  baseline.aligned = table.text("align", "");
+  table.reject_unknown_keys();
+  return baseline;
+}
+
 // Finds the program of a fault. It is linked if the fault changes its messages.
 void find_program(const Config& table, PlannedFault& fault, std::vector<Program>& programs) {
   const auto found = std::find_if(programs.begin(), programs.end(), [&](const Program& program) {
@@ -131,7 +147,10 @@ TestFile read_test(const Config& given) {
     test.expectations.push_back(read_expectation(table));
     check_expectation(table, test.expectations.back(), test);
   }
-  if (test.expectations.empty()) file.fail("expect", "has no [[expect]], expected at least one");
+  for (const auto& table : file.tables("baseline")) test.baselines.push_back(read_baseline(table));
+  // Programs run until their expectations are met.
+  if (test.expectations.empty() && (test.baselines.empty() || test.experiment.empty()))
+    file.fail("expect", "has no [[expect]], expected at least one");
   static_cast<void>(file.text("folder", ""));
   file.reject_unknown_keys();
   return test;

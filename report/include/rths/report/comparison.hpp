@@ -94,6 +94,7 @@ struct ComparedRuns {
 /// @param most  signals to list
 [[nodiscard]] std::string text_of(const ComparedRuns& comparison, std::size_t most);
 /// As one JSON document, without the samples.
-[[nodiscard]] std::string json_of(const ComparedRuns& comparison);
+/// @param why  object of JSON that explains the difference; empty: none
+[[nodiscard]] std::string json_of(const ComparedRuns& comparison, const std::string& why = "");
 
 }  // namespace rths::report

@@ -29,6 +29,14 @@ struct Expectation {
   std::string program;     ///< must end with exit code 0
 };
 
+/// A recording or table that the recording of the test must repeat, within a tolerance.
+struct Baseline {
+  std::filesystem::path file;                   ///< also the folder of a run
+  std::vector<std::string> signals;             ///< patterns; empty: all
+  double absolute = 0, relative = 0, time = 0;  ///< tolerance [SI], [-], [s]
+  std::string aligned;                          ///< signal whose delay is removed; empty: none
+};
+
 /// A test of a laboratory as a file. It has programs on a ring of its own, or an experiment.
 struct TestFile {
   std::string name, map;
@@ -39,6 +47,7 @@ struct TestFile {
   std::vector<std::string> changes;  ///< key=value, of the experiment
   std::vector<PlannedFault> faults;
   std::vector<Expectation> expectations;
+  std::vector<Baseline> baselines;
 };
 
 /// Reads a test. @throws Error with the place of the first mistake   @setup
