@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/text.hpp>
 #include <rths/report/comparison.hpp>
 #include <rths/session/folder.hpp>
@@ -20,6 +21,7 @@ struct CompareArguments {
   std::size_t most = 20;  ///< signals to list
   bool is_json = false;
   bool asks_why = false;
+  std::string page;  ///< HTML file; empty: none
 };
 
 void complete(CompareArguments& a) {
@@ -34,19 +36,30 @@ void complete(CompareArguments& a) {
         report::Tolerance{a.absolute.value_or(0), a.relative.value_or(0), a.time_s.value_or(0)};
 }
 
+session::Difference difference_of(const report::ComparedRuns& found) {
+  ShownProgress progress;
+  auto difference = session::why(found, 1, progress.functions());
+  progress.end();
+  return difference;
+}
+
 int compare(const CompareArguments& a) {
+  if (!a.page.empty()) check_result_file(a.page);
   const auto found = report::compare(session::recording_in(a.baseline),
                                      session::recording_in(a.other), a.settings);
   if (!a.is_json) fmt::print("{}", report::text_of(found, a.most));
+  std::fflush(stdout);
   std::string why;
   if (a.asks_why) {
-    std::fflush(stdout);
-    ShownProgress progress;
-    const auto difference = session::why(found, 1, progress.functions());
-    progress.end();
-    why = a.is_json ? session::json_of(difference) : session::text_of(difference);
+    const auto difference = difference_of(found);
+    why = session::json_of(difference);
+    if (!a.is_json) fmt::print("{}", session::text_of(difference));
   }
-  fmt::print("{}", a.is_json ? report::json_of(found, why) : why);
+  if (a.is_json) fmt::print("{}", report::json_of(found, why));
+  if (!a.page.empty()) {
+    write_file(a.page, report::comparison_page(found, a.settings, a.most, why));
+    if (!a.is_json) fmt::print("page {}\n", a.page);
+  }
   return found.broken() == 0 ? kOk : kConditionNotMet;
 }
 
@@ -78,7 +91,9 @@ void add_compare(CommandLine& line) {
       ->capture_default_str();
   command->add_option("--from", a.settings.from, "First time of the baseline [s]");
   command->add_option("--to", a.settings.to, "Last time of the baseline [s]");
-  command->add_option("--most", a.most, "Signals to list")->capture_default_str();
+  command->add_option("--page", a.page,
+                      "Also write a page: settings, figures, curves and their difference");
+  command->add_option("--most", a.most, "Signals to list and to draw")->capture_default_str();
   command->add_flag("--why", a.asks_why,
                     "Also say why they differ: a mistake of signals, or a diagnosis of the other "
                     "with the simulation of the baseline");

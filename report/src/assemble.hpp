@@ -12,6 +12,7 @@
 namespace rths::report::web {
 
 extern const std::string_view kReportHtml, kReportCss, kReportJs;
+extern const std::string_view kCompareHtml, kCompareJs;
 extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs;
 extern const std::string_view kVerdictCss, kSentenceJs, kStructureJs;
 extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;

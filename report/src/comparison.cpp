@@ -15,6 +15,7 @@
 #include <rths/maths/statistics.hpp>
 
 #include "compared_file.hpp"
+#include "comparison_curves.hpp"
 #include "resemblance.hpp"
 
 namespace rths::report {
@@ -182,6 +183,17 @@ class Comparing {
     result_.is_judged = settings.tolerance.has_value();
   }
 
+  /// The values of signals of an earlier comparison.
+  std::vector<PairedValues> curves(const ComparedRuns& comparison, std::size_t most) && {
+    for (double& t : other_.time) t -= comparison.shift;
+    set_times();
+    std::vector<PairedValues> curves;
+    for (const auto& signal : comparison.signals)
+      if (!signal.is_equal && curves.size() < most)
+        curves.push_back(paired(signal.name, signal.other_name).second);
+    return curves;
+  }
+
   ComparedRuns run() && {
     const auto pairs = pairs_of(baseline_, other_, settings_);
     if (pairs.empty()) throw_without_pairs();
@@ -303,6 +315,11 @@ std::size_t ComparedRuns::broken() const {
   return static_cast<std::size_t>(
       std::count_if(signals.begin(), signals.end(),
                     [](const auto& signal) { return signal.broken_at.has_value(); }));
+}
+
+std::vector<PairedValues> curves_of(const ComparedRuns& comparison,
+                                    const ComparisonSettings& settings, std::size_t most) {
+  return Comparing{comparison.baseline, comparison.other, settings}.curves(comparison, most);
 }
 
 ComparedRuns compare(const std::filesystem::path& baseline, const std::filesystem::path& other,

@@ -12,6 +12,8 @@
 RTHS_EMBEDDED(report_html, kReportHtml)
 RTHS_EMBEDDED(report_css, kReportCss)
 RTHS_EMBEDDED(report_js, kReportJs)
+RTHS_EMBEDDED(compare_html, kCompareHtml)
+RTHS_EMBEDDED(compare_js, kCompareJs)
 RTHS_EMBEDDED(theme_js, kThemeJs)
 RTHS_EMBEDDED(plots_js, kPlotsJs)
 RTHS_EMBEDDED(figures_js, kFiguresJs)

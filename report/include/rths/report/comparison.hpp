@@ -97,4 +97,12 @@ struct ComparedRuns {
 /// @param why  object of JSON that explains the difference; empty: none
 [[nodiscard]] std::string json_of(const ComparedRuns& comparison, const std::string& why = "");
 
+/// As one page that needs no network: settings, figures, and curves with their difference.
+/// @param settings  of the comparison; the files are read anew
+/// @param most  signals with curves
+/// @param why  as for json_of   @throws Error as compare   @setup
+[[nodiscard]] std::string comparison_page(const ComparedRuns& comparison,
+                                          const ComparisonSettings& settings, std::size_t most,
+                                          const std::string& why = "");
+
 }  // namespace rths::report
