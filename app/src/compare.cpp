@@ -57,7 +57,7 @@ int compare(const CompareArguments& a) {
   }
   if (a.is_json) fmt::print("{}", report::json_of(found, why));
   if (!a.page.empty()) {
-    write_file(a.page, report::comparison_page(found, a.settings, a.most, why));
+    write_file(a.page, report::comparison_page(found, a.most, why));
     if (!a.is_json) fmt::print("page {}\n", a.page);
   }
   return found.broken() == 0 ? kOk : kConditionNotMet;

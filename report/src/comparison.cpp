@@ -15,7 +15,6 @@
 #include <rths/maths/statistics.hpp>
 
 #include "compared_file.hpp"
-#include "comparison_curves.hpp"
 #include "resemblance.hpp"
 
 namespace rths::report {
@@ -184,14 +183,15 @@ class Comparing {
   }
 
   /// The values of signals of an earlier comparison.
-  std::vector<PairedValues> curves(const ComparedRuns& comparison, std::size_t most) && {
+  std::vector<PairedValues> values(const ComparedRuns& comparison,
+                                   const std::vector<std::string>& names) && {
     for (double& t : other_.time) t -= comparison.shift;
     set_times();
-    std::vector<PairedValues> curves;
+    std::vector<PairedValues> values;
     for (const auto& signal : comparison.signals)
-      if (!signal.is_equal && curves.size() < most)
-        curves.push_back(paired(signal.name, signal.other_name).second);
-    return curves;
+      if (contains(names, signal.name))
+        values.push_back(paired(signal.name, signal.other_name).second);
+    return values;
   }
 
   ComparedRuns run() && {
@@ -317,9 +317,12 @@ std::size_t ComparedRuns::broken() const {
                     [](const auto& signal) { return signal.broken_at.has_value(); }));
 }
 
-std::vector<PairedValues> curves_of(const ComparedRuns& comparison,
-                                    const ComparisonSettings& settings, std::size_t most) {
-  return Comparing{comparison.baseline, comparison.other, settings}.curves(comparison, most);
+std::vector<PairedValues> values_of(const ComparedRuns& comparison,
+                                    const std::vector<std::string>& names) {
+  ComparisonSettings settings;
+  settings.from = comparison.from;
+  settings.to = comparison.to;
+  return Comparing{comparison.baseline, comparison.other, settings}.values(comparison, names);
 }
 
 ComparedRuns compare(const std::filesystem::path& baseline, const std::filesystem::path& other,

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <rths/report/comparison.hpp>
 #include "assemble.hpp"
-#include "comparison_curves.hpp"
 
 namespace rths::report {
 namespace {
@@ -43,14 +43,18 @@ Json curve_data(const ComparedSignal& signal, const PairedValues& values) {
 
 }  // namespace
 
-std::string comparison_page(const ComparedRuns& comparison, const ComparisonSettings& settings,
-                            std::size_t most, const std::string& why) {
-  Json curves = Json::array();
-  std::size_t at = 0;
-  for (const auto& values : curves_of(comparison, settings, most)) {
-    while (comparison.signals[at].is_equal) ++at;
-    curves.push_back(curve_data(comparison.signals[at++], values));
+std::string comparison_page(const ComparedRuns& comparison, std::size_t most,
+                            const std::string& why) {
+  std::vector<const ComparedSignal*> shown;
+  std::vector<std::string> names;
+  for (const auto& signal : comparison.signals) {
+    if (signal.is_equal || shown.size() == most) continue;
+    shown.push_back(&signal);
+    names.push_back(signal.name);
   }
+  const auto values = values_of(comparison, names);
+  Json curves = Json::array();
+  for (std::size_t i = 0; i < shown.size(); ++i) curves.push_back(curve_data(*shown[i], values[i]));
   return assemble(
       {web::kCompareHtml,
        {web::kReportCss},

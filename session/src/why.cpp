@@ -12,6 +12,7 @@
 #include <rths/commissioning/delay_report.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/interrupted.hpp>
+#include <rths/core/text.hpp>
 #include <rths/recording/recording.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/report/report.hpp>
@@ -26,8 +27,9 @@ using report::ComparedSignal;
 using report::Resemblance;
 
 // Of runs that differ in the seed of the sensors' noise alone, less than a tenth of these.
-constexpr double kLeastDelay = 0.5e-3;  // [s]
-constexpr double kLeastGain = 0.01;     // [-]
+constexpr double kLeastDelay = 0.5e-3;   // [s]
+constexpr double kLeastGain = 0.01;      // [-]
+constexpr std::size_t kMostSignals = 3;  // of a case without a model
 constexpr double kSmall = 1e-3;  // difference over the signal, far below any sensor's noise [-]
 
 bool is_named(const ComparedSignal& signal) {
@@ -103,6 +105,52 @@ std::vector<std::string> changes_of_motion(const std::filesystem::path& baseline
   return changes;
 }
 
+// Roles have no dots and blanks.
+std::string role_of(const char* family, const std::string& signal) {
+  std::string role = signal;
+  for (char& c : role)
+    if (!is_letter_or_digit(c)) c = '_';
+  return fmt::format("{}.{}", family, role);
+}
+
+// The signals of the other, with those of the baseline as their simulation: those that differ most,
+// and as inputs some that are equal and move.
+diagnosis::Case case_of_signals(const report::ComparedRuns& comparison) {
+  std::vector<const ComparedSignal*> chosen;
+  std::vector<std::string> names;
+  std::size_t outputs = 0, inputs = 0;
+  for (const auto& signal : comparison.signals) {
+    const bool moves = signal.samples > 0 && signal.peak > 0;
+    if (!moves || signal.unmatched > 0) continue;
+    std::size_t& count = signal.is_equal ? inputs : outputs;
+    if (count == kMostSignals || (signal.is_equal && signal.name.starts_with("monitor."))) continue;
+    ++count;
+    chosen.push_back(&signal);
+    names.push_back(signal.name);
+  }
+  const auto values = report::values_of(comparison, names);
+  diagnosis::Case c;
+  c.name = comparison.other.filename().string();
+  c.folder = ".";
+  c.model.table = Config::parse("kind = \"data\"", "comparison");
+  diagnosis::Record record;
+  record.name = c.name;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const auto& [time, baseline, other] = values[i];
+    record.start = time.front();
+    record.time_step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+    const auto& [name, unit] = std::pair{chosen[i]->name, chosen[i]->unit};
+    if (chosen[i]->is_equal) {
+      record.channels.push_back({role_of("input", name), unit, baseline});
+      continue;
+    }
+    record.channels.push_back({role_of("output", name), unit, other});
+    record.channels.push_back({role_of("predicted.output", name), unit, baseline});
+  }
+  c.records.push_back(std::move(record));
+  return c;
+}
+
 bool has_model(const std::filesystem::path& file) {
   return recording::is_hdf5(file) && !recording::Reader{file}.config(recording::kModelText).empty();
 }
@@ -123,8 +171,10 @@ Difference why(const report::ComparedRuns& comparison, std::uint64_t seed,
     return difference;
   }
   if (!has_model(comparison.baseline) || !has_model(comparison.other)) {
-    difference.sentence =
-        "No model is known: only recordings of runs hold the simulation that a diagnosis needs.";
+    difference.verdict =
+        diagnosis::diagnose(case_of_signals(comparison), {{}, seed, progress.fits});
+    difference.model = "the baseline as the simulation of the other";
+    difference.sentence = difference.verdict->sentence;
     return difference;
   }
   const KnownModel baseline = model_of(comparison.baseline);

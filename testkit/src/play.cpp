@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 #include <span>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ namespace {
 
 using recording::RecordedWord;
 
-constexpr Duration kSpin = std::chrono::microseconds{200};  // before a row, instead of sleeping
+constexpr Duration kLongestSpin = std::chrono::microseconds{400};  // before a row: exact
 constexpr Duration kLongestSleep = std::chrono::milliseconds{50};  // between looks for an interrupt
 constexpr Duration kAwaitedLook = std::chrono::milliseconds{5};
 
@@ -195,13 +196,15 @@ void wait_for(const PlaySettings& settings, broker::Ring& ring,
   }
 }
 
-// Exact to the clock, as far as the host lets this thread run. @returns whether to go on
+// Exact to the clock, as far as the host lets this thread run. A single processor is left to the
+// readers. @returns whether to go on
 bool wait_until(TimePoint due, WallClock& clock, const std::function<bool()>& is_interrupted) {
-  for (TimePoint now = clock.now(); now < due - kSpin; now = clock.now()) {
+  static const Duration spin = std::thread::hardware_concurrency() > 1 ? kLongestSpin : Duration{0};
+  for (TimePoint now = clock.now(); now < due - spin; now = clock.now()) {
     if (is_interrupted()) return false;
-    clock.sleep_until(std::min(due - kSpin, now + kLongestSleep));
+    clock.sleep_until(std::min(due - spin, now + kLongestSleep));
   }
-  while (clock.now() < due) continue;  // at most kSpin
+  while (clock.now() < due) continue;  // at most kLongestSpin
   return !is_interrupted();
 }
 
@@ -224,7 +227,7 @@ Played play(const PlaySettings& settings, const std::function<bool()>& is_interr
   played.gap_errors.reserve(run.rows());
   WallClock clock;
   const auto& time = run.time();
-  const TimePoint begun = clock.now() + kSpin;
+  const TimePoint begun = clock.now() + kLongestSpin;
   TimePoint last{0};
   for (std::size_t row = 0; row < time.size(); ++row) {
     const double since = settings.rate * (time[row] - time.front());

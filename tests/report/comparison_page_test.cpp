@@ -27,7 +27,7 @@ class ComparisonPage : public ::testing::Test {
   }
   [[nodiscard]] std::string page(double once) const {
     const auto found = compare(table("a.csv", 0), table("<script>.csv", once), settings_);
-    return comparison_page(found, settings_, 5, R"({"sentence": "A bit was flipped."})");
+    return comparison_page(found, 5, R"({"sentence": "A bit was flipped."})");
   }
   [[nodiscard]] std::string drawn(const std::string& html) const {
     return test_support::rendered(folder_.write("page.html", html), folder_.path() / "profile");

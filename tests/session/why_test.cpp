@@ -3,8 +3,11 @@
 // Pairs of runs in virtual time, of which one has a hidden change, and why they differ.
 #include <rths/session/why.hpp>
 
+#include <cmath>
 #include <cstdio>
+#include <random>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <rths/app/builtin_adapters.hpp>
@@ -90,6 +93,40 @@ TEST_F(PairOfRuns, HasAMistakeOfAUnit) {
   EXPECT_EQ(found.sentence,
             "srmd.long.force.fbk is 0.001 times the baseline, as if kN had been read as N.");
   EXPECT_FALSE(found.verdict);
+}
+
+// A displacement that both have, and a force with a law of it and noise.
+std::filesystem::path table(const test::TemporaryFolder& folder, const char* name, unsigned seed,
+                            double cubic) {
+  std::mt19937 random{seed};
+  std::normal_distribution<double> noise{0, 300};
+  std::string text = "time [s],displ [m],force [N]\n";
+  for (int i = 0; i < 5000; ++i) {
+    const double t = 0.002 * i, u = 0.02 * (std::sin(3 * t) + 0.6 * std::sin(7.3 * t + 1));
+    text +=
+        fmt::format("{:.3f},{:.9g},{:.9g}\n", t, u, 4e6 * u + cubic * u * u * u + noise(random));
+  }
+  return folder.write(name, text);
+}
+
+TEST(PairOfTables, HasTheTermThatTheOtherHasInAddition) {
+  const test::TemporaryFolder folder;
+  const auto a = table(folder, "a.csv", 1, 0), b = table(folder, "b.csv", 2, 3e9);
+  const auto found = why(report::compare(a, b, {}));
+
+  ASSERT_TRUE(found.verdict);
+  ASSERT_EQ(found.verdict->conclusion.causes.size(), 1U) << found.sentence;
+  const auto& stiffness = found.verdict->conclusion.causes[0].parameters.at(0);
+  EXPECT_NEAR(stiffness.value, 3e9, 1e8);  // noise of 300 N beside 10 kN
+}
+
+TEST(PairOfTables, HasNoCauseIfOnlyTheNoiseDiffers) {
+  const test::TemporaryFolder folder;
+  const auto a = table(folder, "a.csv", 1, 0), b = table(folder, "b.csv", 2, 0);
+  const auto found = why(report::compare(a, b, {}));
+
+  ASSERT_TRUE(found.verdict);
+  EXPECT_TRUE(found.verdict->conclusion.causes.empty()) << found.sentence;
 }
 
 /// A hidden change, and the cause that names it; that of the motion has no term.

@@ -91,6 +91,9 @@ NodeSettings read_replay(const std::string& node, const Config& table,
   NodeSettings settings = plugin::read_role(table);
   // The recorded machine had these parameters.
   if (settings.role == Role::Machine) settings.machine_table = MachineTable::Whole;
+  // Its time can wait for a late controller, as that of a simulated machine.
+  if (settings.role == Role::Machine && !table.has("late_inputs"))
+    settings.schedule.missed = MissedSteps::Wait;
   const auto file = table.resolve(table.text("recording"));
   const std::string recorded = table.text("of_node", node);
   const auto run = table.placed("recording", [&] {
