@@ -1,14 +1,15 @@
 # rths_add_test(NAME <name> MAP <map> NODES "<node>: <command line>"… EXPECT "<key=value> …"…
-#               [FAULTS "<key=value> …"…] [DEADLINE <seconds>])
-# rths_add_test(NAME <name> EXPERIMENT <file> [CLOCK virtual|wall] [SET <key=value>…] EXPECT … [DEADLINE <seconds>])
+#               [FAULTS "<key=value> …"…] [BASELINE "<key=value> …"…] [DEADLINE <seconds>])
+# rths_add_test(NAME <name> EXPERIMENT <file> [CLOCK virtual|wall] [SET <key=value>…] [EXPECT …] [BASELINE …]
+#               [DEADLINE <seconds>])
 #
 # A test of ctest: programs as nodes on a ring of their own, or an experiment. `rths test` runs it; docs/testing.md
-# has the keys of faults and expectations. Paths start at the current source folder. A command line may hold
+# has the keys of faults, expectations and baselines. Paths start at the current source folder. A command line may hold
 # generator expressions, and {ring} and {node} for the names of its ring and its node.
 function(rths_add_test)
-  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;MAP;EXPERIMENT;CLOCK;DEADLINE" "NODES;FAULTS;EXPECT;SET")
-  if(NOT arg_NAME OR NOT arg_EXPECT OR arg_UNPARSED_ARGUMENTS)
-    message(FATAL_ERROR "rths_add_test takes NAME, MAP with NODES or EXPERIMENT, and EXPECT, found: ${ARGV}")
+  cmake_parse_arguments(PARSE_ARGV 0 arg "" "NAME;MAP;EXPERIMENT;CLOCK;DEADLINE" "NODES;FAULTS;EXPECT;BASELINE;SET")
+  if(NOT arg_NAME OR NOT (arg_EXPECT OR arg_BASELINE) OR arg_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "rths_add_test takes NAME, MAP with NODES or EXPERIMENT, and EXPECT or BASELINE, found: ${ARGV}")
   endif()
   if(NOT arg_DEADLINE)
     set(arg_DEADLINE 60)
@@ -41,6 +42,9 @@ function(rths_add_test)
   endforeach()
   foreach(line IN LISTS arg_EXPECT)
     rths_table(text expect "${line}")
+  endforeach()
+  foreach(line IN LISTS arg_BASELINE)
+    rths_table(text baseline "${line}")
   endforeach()
   string(MAKE_C_IDENTIFIER "${arg_NAME}" file)
   set(file ${CMAKE_CURRENT_BINARY_DIR}/rths_tests/${file}.toml)

@@ -40,6 +40,7 @@ rths_long(rths_next_test_test physics "^NextTest\\.Separates|LateActuator.*lag|^
 rths_long(rths_real_data_test physics "\\.(Silverbox|MrDamper|FrictionDevice|EmpsHasMoreFriction)")
 # LeadRubberX with one effect at a time: another row has all of them.
 rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horizontal|Vertical|FourEffects|Heating|Against)")
+rths_long(rths_session_test system "^PairOfRuns\\.Has(ItsHidden|NoFalse)")
 # Others that take long.
 rths_long(rths_judgement_test unit "Smallest\\.FaultThatIsFound")
 rths_long(rths_commissioning_command_test system "^Machines/PretestOfExample")

@@ -11,6 +11,7 @@
 #include <rths/adapters/opensees.hpp>
 #include <rths/adapters/opensees_specimen.hpp>
 #include <rths/adapters/recorder.hpp>
+#include <rths/adapters/replay.hpp>
 #include <rths/adapters/safe_machine.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
@@ -89,6 +90,7 @@ constexpr experiment::AdapterKind kAdapters[] = {
     {"external", read_external},
     {"plugin", read_guarded<plugin::read_plugin>},
     {"fmu", read_guarded<fmi::read_fmu>},
+    {"replay", adapters::read_replay},
 };
 
 }  // namespace

@@ -93,6 +93,8 @@ void add_plant(CommandLine& line);
 void add_map(CommandLine& line);
 void add_new(CommandLine& line);
 void add_replay(CommandLine& line);
+void add_play(CommandLine& line);
+void add_record(CommandLine& line);
 void add_test(CommandLine& line);
 void add_dump(CommandLine& line);
 void add_view(CommandLine& line);

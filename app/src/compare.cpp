@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <rths/command_line/write_file.hpp>
 #include <rths/core/text.hpp>
 #include <rths/report/comparison.hpp>
 #include <rths/session/folder.hpp>
+#include <rths/session/why.hpp>
 
 #include "command.hpp"
+#include "shown_progress.hpp"
 
 namespace rths::app {
 namespace {
@@ -17,6 +20,8 @@ struct CompareArguments {
   std::optional<double> absolute, relative, time_s;
   std::size_t most = 20;  ///< signals to list
   bool is_json = false;
+  bool asks_why = false;
+  std::string page;  ///< HTML file; empty: none
 };
 
 void complete(CompareArguments& a) {
@@ -31,10 +36,30 @@ void complete(CompareArguments& a) {
         report::Tolerance{a.absolute.value_or(0), a.relative.value_or(0), a.time_s.value_or(0)};
 }
 
+session::Difference difference_of(const report::ComparedRuns& found) {
+  ShownProgress progress;
+  auto difference = session::why(found, 1, progress.functions());
+  progress.end();
+  return difference;
+}
+
 int compare(const CompareArguments& a) {
+  if (!a.page.empty()) check_result_file(a.page);
   const auto found = report::compare(session::recording_in(a.baseline),
                                      session::recording_in(a.other), a.settings);
-  fmt::print("{}", a.is_json ? report::json_of(found) : report::text_of(found, a.most));
+  if (!a.is_json) fmt::print("{}", report::text_of(found, a.most));
+  std::fflush(stdout);
+  std::string why;
+  if (a.asks_why) {
+    const auto difference = difference_of(found);
+    why = session::json_of(difference);
+    if (!a.is_json) fmt::print("{}", session::text_of(difference));
+  }
+  if (a.is_json) fmt::print("{}", report::json_of(found, why));
+  if (!a.page.empty()) {
+    write_file(a.page, report::comparison_page(found, a.most, why));
+    if (!a.is_json) fmt::print("page {}\n", a.page);
+  }
   return found.broken() == 0 ? kOk : kConditionNotMet;
 }
 
@@ -66,7 +91,12 @@ void add_compare(CommandLine& line) {
       ->capture_default_str();
   command->add_option("--from", a.settings.from, "First time of the baseline [s]");
   command->add_option("--to", a.settings.to, "Last time of the baseline [s]");
-  command->add_option("--most", a.most, "Signals to list")->capture_default_str();
+  command->add_option("--page", a.page,
+                      "Also write a page: settings, figures, curves and their difference");
+  command->add_option("--most", a.most, "Signals to list and to draw")->capture_default_str();
+  command->add_flag("--why", a.asks_why,
+                    "Also say why they differ: a mistake of signals, or a diagnosis of the other "
+                    "with the simulation of the baseline");
   command->add_flag("--json", a.is_json, "One JSON document instead of lines");
 }
 

@@ -39,11 +39,11 @@ namespace {
 
 // In the order of the help.
 constexpr void (*kCommands[])(CommandLine&) = {
-    add_run,      add_node,      add_check,  add_export, add_report, add_compare, add_diagnose,
-    add_loop,     add_terms,     add_plant,  add_map,    add_new,    add_replay,  add_test,
-    add_dump,     add_view,      add_top,    add_who,    add_watch,  add_send,    add_bridge,
-    add_ring,     add_fault,     add_stop,   add_doctor, add_clean,  add_bench,   add_delay,
-    add_identify, add_calibrate, add_pretest};
+    add_run,    add_node,   add_check,    add_export,    add_report, add_compare, add_diagnose,
+    add_loop,   add_terms,  add_plant,    add_map,       add_new,    add_replay,  add_play,
+    add_record, add_test,   add_dump,     add_view,      add_top,    add_who,     add_watch,
+    add_send,   add_bridge, add_ring,     add_fault,     add_stop,   add_doctor,  add_clean,
+    add_bench,  add_delay,  add_identify, add_calibrate, add_pretest};
 
 // Names of a ring's or a recording's signals.
 std::vector<std::string> signals_of(const std::string& source) {
@@ -56,11 +56,22 @@ std::vector<std::string> signals_of(const std::string& source) {
   }
 }
 
+std::vector<std::string> nodes_of(const std::string& recording) {
+  std::vector<std::string> nodes;
+  try {
+    const recording::Reader run{session::recording_in(recording)};
+    for (const auto& node : run.map().description().nodes) nodes.push_back(node.name);
+  } catch (const Error&) {
+  }
+  return nodes;
+}
+
 std::vector<std::string> candidates_for(const std::string& option, const std::string& source) {
   if (option == "signals") return signals_of(source);
   if (option == "map") return built_in_names("maps");
   if (option == "bearing") return built_in_names("bearings");
   std::vector<std::string> candidates;
+  if (option == "--as") return nodes_of(source);
   if (option == "assignments")
     for (const auto& name : signals_of(source)) candidates.push_back(name + "=");
   if (option == "ring" || option == "source")

@@ -110,12 +110,7 @@ void await_others(const Experiment& experiment, const NodePlan& plan,
 /// Steps of a node in the longest run of an experiment, slow-downs included.
 [[nodiscard]] std::size_t steps_of(const Experiment& experiment, const NodePlan& plan);
 
-/// Gives the calling thread real-time scheduling, locked memory and exact timers. Nothing else
-/// does so. A missing privilege is not an error.
-/// @param priority  1…99
-/// @returns the missing privileges as text; empty if none
-[[nodiscard]] std::string make_realtime(int priority);
-/// Gives it real-time scheduling alone. @returns 0, or the error number
+/// Gives the calling thread real-time scheduling alone. @returns 0, or the error number
 int prefer_realtime(int priority);
 
 /// Priorities within a run: the host probe has the highest; those of the nodes are in NodeSettings.

@@ -5,12 +5,14 @@
     run = rths.run("experiment.toml")             runs the installed command
     frame = rths.load("out/demo")                 a recording as a pandas DataFrame
     verdict = rths.diagnose("out/demo")           the physics that the simulation left out
+    found = rths.compare("out/demo", "out/other")  two runs, signal by signal
 
 All values are in SI. Every error of rths is an `rths.Error`, with one line: place, found, expected. `rths.testing` is the
 plugin for pytest.
 """
 from ._rths import Error, LostWrites
 from .adapter import Adapter, Input, Monitor, Output, Parameter, Status
+from .comparison import ComparedSignal, Comparison, compare
 from .installation import command
 from .recording import Recording, load
 from .ring import Follower, Node, Ring, Signal, Write, attach, create_ring, in_process_ring, ring_names
@@ -20,7 +22,7 @@ for _error in (Error, LostWrites):
     _error.__module__ = "rths"
 
 __all__ = [
-    "Adapter", "Cause", "Error", "Follower", "Input", "LostWrites", "Monitor", "Node", "Output", "Parameter", "Recording",
-    "Ring", "Run", "Signal", "Status", "Verdict", "Write", "attach", "command", "create_ring", "diagnose",
-    "in_process_ring", "load", "ring_names", "run",
+    "Adapter", "Cause", "ComparedSignal", "Comparison", "Error", "Follower", "Input", "LostWrites", "Monitor", "Node",
+    "Output", "Parameter", "Recording", "Ring", "Run", "Signal", "Status", "Verdict", "Write", "attach", "command",
+    "compare", "create_ring", "diagnose", "in_process_ring", "load", "ring_names", "run",
 ]

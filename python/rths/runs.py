@@ -14,11 +14,14 @@ import pathlib
 import signal
 import subprocess
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ._rths import Error
 from .installation import command
 from .recording import Recording
+
+if TYPE_CHECKING:
+    import pandas
 
 _GRACE_S = 10.0  #: of a command that was asked to stop
 
@@ -77,6 +80,17 @@ class Run:
         """The recording of the run. Raises Error if there is none."""
         return Recording(self._folder())
 
+    def figures(self) -> pandas.DataFrame:
+        """The figures of `report` as a DataFrame: a row for each axis, a column for each number.
+
+        Raises Error if there is no report, or without pandas.
+        """
+        if self.report is None:
+            raise Error(f"the run has no report: {self.trouble or 'it has no recording'}")
+        rows = [{"axis": axis, **{key: value for key, value in figures.items() if not isinstance(value, (list, dict))}}
+                for axis, figures in self.report["axes"].items()]
+        return _table(rows, "axis")
+
     def verdict(self) -> Verdict:
         """The diagnosis that ended the run. Raises Error if there was none."""
         return Verdict.read(self._folder())
@@ -133,6 +147,14 @@ def diagnose(case: str | pathlib.Path, *, out: str | pathlib.Path | None = None,
     if ended.returncode != 0 or "numbers" not in result:
         raise Error(ended.stderr.strip().removeprefix("rths: ") or f"rths diagnose ended with {ended.returncode}")
     return Verdict.read(pathlib.Path(result["numbers"]).parent)
+
+
+def _table(rows: list[dict[str, Any]], index: str) -> pandas.DataFrame:
+    try:
+        import pandas
+    except ImportError:
+        raise Error("a table needs pandas, which is not installed") from None
+    return pandas.DataFrame(rows).set_index(index)
 
 
 def _toml(value: Any) -> str:

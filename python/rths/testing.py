@@ -29,6 +29,7 @@ from typing import Any
 import pytest
 
 from . import _rths
+from .comparison import Comparison, compare
 from .installation import map_file
 from .ring import Follower, Node, Ring
 from .runs import Run, run
@@ -110,6 +111,25 @@ class Laboratory:
         """Runs an experiment, see `rths.run`, with results in `folder` and a ring of its own."""
         out = self.folder / f"{pathlib.Path(experiment).stem}_{uuid.uuid4().hex[:6]}"
         return run(experiment, clock=clock, out=out, ring=f"{self.name}_run", **options)
+
+    def expect_baseline(self, baseline: str | pathlib.Path, result: Run | str | pathlib.Path,
+                        **options: Any) -> Comparison:
+        """Compares a run, a recording or a table with a baseline, see `rths.compare`; equal values without a tolerance.
+
+        AssertionError if a signal is outside its tolerance, or if there is no baseline: it is never made silently.
+        """
+        made = result.recording().file if isinstance(result, Run) else pathlib.Path(result)
+        if not pathlib.Path(baseline).exists():
+            kept = f"; if the recording of this test is right, make it: cp {made} {baseline}"
+            raise AssertionError(f"baseline {baseline}: does not exist{kept}")
+        if not {"abs", "rel", "time_s"} & options.keys():
+            options["abs"] = 0
+        found = compare(baseline, made, **options)
+        if found.broken:
+            first = found.broken[0]
+            raise AssertionError(f"baseline {baseline}: {len(found.broken)} of {len(found.signals)} signals are outside "
+                                 f"their tolerance, first {first.signal} at {first.broken_at_s:g} s")
+        return found
 
     def expect_within(self, seconds: float, signal: str, condition: Condition, tolerance: float | None = None) -> float:
         """Waits until a signal meets a condition, now or by one of the writes within the time [s]; returns its value.

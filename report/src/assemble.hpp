@@ -14,6 +14,7 @@ namespace rths::report::web {
 
 using namespace rths::web;
 extern const std::string_view kReportHtml, kReportJs;
+extern const std::string_view kCompareHtml, kCompareJs;
 extern const std::string_view kVerdictCss, kSentenceJs, kStructureJs;
 extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;
 extern const std::string_view kCurtainJs, kVerdictJs, kWhereJs, kProofJs, kBudgetJs;

@@ -75,6 +75,7 @@ ComparedFile read_recording(const fs::path& path) {
   }
   if (const auto experiment = recording::recorded_experiment(run)) {
     file.settings = flat(experiment->to_toml());
+    file.has_experiment = true;
     add_roles(run, file);
   }
   for (const char* text : {recording::kModelText, recording::kSpecimenText})

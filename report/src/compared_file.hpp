@@ -20,6 +20,7 @@ struct ComparedFile {
   std::vector<double> time;  ///< rising [s]
   std::map<std::string, FileSignal> signals;
   std::map<std::string, std::string> settings;  ///< of the experiment, by dotted key; texts by name
+  bool has_experiment = false;                  ///< its settings are complete
   std::map<std::string, std::string> roles;     ///< name of the signal of each role
 };
 

@@ -22,24 +22,42 @@ namespace {
 
 using Values = std::vector<double>;
 
-// The pairs of names to compare.
+// A signal that both have, by its name, or by its role if no names are equal.
+struct CommonSignal {
+  std::string name, other_name, role;
+};
+
+std::vector<CommonSignal> common_signals(const ComparedFile& baseline, const ComparedFile& other) {
+  std::vector<CommonSignal> common;
+  for (const auto& [name, signal] : baseline.signals)
+    if (other.signals.contains(name)) common.push_back({name, name, name});
+  if (!common.empty()) return common;
+  for (const auto& [role, name] : baseline.roles)
+    if (const auto found = other.roles.find(role); found != other.roles.end())
+      common.push_back({name, found->second, role});
+  return common;
+}
+
+// The pairs of names to compare. @throws Error for the first pattern that matches none
 std::vector<std::pair<std::string, std::string>> pairs_of(const ComparedFile& baseline,
                                                           const ComparedFile& other,
                                                           const ComparisonSettings& settings) {
-  std::vector<std::pair<std::string, std::string>> pairs = settings.pairs;
+  auto pairs = settings.pairs;
   if (!pairs.empty() && settings.patterns.empty()) return pairs;
-  bool has_common = false;
-  for (const auto& [name, signal] : baseline.signals) {
-    has_common = has_common || other.signals.contains(name);
-    if (other.signals.contains(name) && matches(name, settings.patterns))
-      pairs.emplace_back(name, name);
-  }
-  if (has_common) return pairs;
-  for (const auto& [role, name] : baseline.roles)
-    if (const auto found = other.roles.find(role);
-        found != other.roles.end() &&
-        (matches(name, settings.patterns) || matches(role, settings.patterns)))
-      pairs.emplace_back(name, found->second);
+  const auto common = common_signals(baseline, other);
+  const auto is_of = [](const CommonSignal& signal, const std::vector<std::string>& patterns) {
+    return matches(signal.name, patterns) || matches(signal.role, patterns);
+  };
+  std::vector<std::string> names;
+  for (const auto& signal : common) names.push_back(signal.name);
+  for (const auto& pattern : settings.patterns)
+    if (!common.empty() && std::none_of(common.begin(), common.end(), [&](const auto& signal) {
+          return is_of(signal, {pattern});
+        }))
+      throw Error{
+          fmt::format("no common signal matches '{}'{}", pattern, did_you_mean(pattern, names))};
+  for (const auto& signal : common)
+    if (is_of(signal, settings.patterns)) pairs.emplace_back(signal.name, signal.other_name);
   return pairs;
 }
 
@@ -122,8 +140,11 @@ void judge(const Tolerance& tolerance, const PairedValues& paired, ComparedSigna
   }
 }
 
-std::vector<ComparedSetting> differences_of(const std::map<std::string, std::string>& a,
-                                            const std::map<std::string, std::string>& b) {
+// Files without an experiment have some settings at most, such as the map of a recorded ring.
+std::vector<ComparedSetting> differences_of(const ComparedFile& baseline,
+                                            const ComparedFile& other) {
+  const auto &a = baseline.settings, &b = other.settings;
+  const bool are_complete = baseline.has_experiment && other.has_experiment;
   std::set<std::string> keys;
   for (const auto& [key, value] : a) keys.insert(key);
   for (const auto& [key, value] : b) keys.insert(key);
@@ -133,7 +154,8 @@ std::vector<ComparedSetting> differences_of(const std::map<std::string, std::str
   };
   std::vector<ComparedSetting> differences;
   for (const auto& key : keys)
-    if (value_in(a, key) != value_in(b, key))
+    if (value_in(a, key) != value_in(b, key) &&
+        (are_complete || (a.contains(key) && b.contains(key))))
       differences.push_back({key, value_in(a, key), value_in(b, key)});
   return differences;
 }
@@ -160,6 +182,18 @@ class Comparing {
     result_.is_judged = settings.tolerance.has_value();
   }
 
+  /// The values of signals of an earlier comparison.
+  std::vector<PairedValues> values(const ComparedRuns& comparison,
+                                   const std::vector<std::string>& names) && {
+    for (double& t : other_.time) t -= comparison.shift;
+    set_times();
+    std::vector<PairedValues> values;
+    for (const auto& signal : comparison.signals)
+      if (contains(names, signal.name))
+        values.push_back(paired(signal.name, signal.other_name).second);
+    return values;
+  }
+
   ComparedRuns run() && {
     const auto pairs = pairs_of(baseline_, other_, settings_);
     if (pairs.empty()) throw_without_pairs();
@@ -167,19 +201,16 @@ class Comparing {
     set_times();
     for (const auto& [name, other_name] : pairs) compare(name, other_name);
     std::stable_sort(result_.signals.begin(), result_.signals.end(), is_before);
-    // Files of tables have no settings.
-    if (!baseline_.settings.empty() && !other_.settings.empty())
-      result_.settings = differences_of(baseline_.settings, other_.settings);
+    result_.settings = differences_of(baseline_, other_);
     note_others(pairs);
     return std::move(result_);
   }
 
  private:
   [[noreturn]] void throw_without_pairs() const {
-    throw Error{fmt::format(
-        "{} and {} have no common signal{}", result_.baseline.string(), result_.other.string(),
-        settings_.patterns.empty() ? ", expected equal names, equal roles, or --pair"
-                                   : " of these patterns")};
+    throw Error{
+        fmt::format("{} and {} have no common signal, expected equal names, equal roles, or --pair",
+                    result_.baseline.string(), result_.other.string())};
   }
 
   void set_times() {
@@ -284,6 +315,14 @@ std::size_t ComparedRuns::broken() const {
   return static_cast<std::size_t>(
       std::count_if(signals.begin(), signals.end(),
                     [](const auto& signal) { return signal.broken_at.has_value(); }));
+}
+
+std::vector<PairedValues> values_of(const ComparedRuns& comparison,
+                                    const std::vector<std::string>& names) {
+  ComparisonSettings settings;
+  settings.from = comparison.from;
+  settings.to = comparison.to;
+  return Comparing{comparison.baseline, comparison.other, settings}.values(comparison, names);
 }
 
 ComparedRuns compare(const std::filesystem::path& baseline, const std::filesystem::path& other,

@@ -123,7 +123,7 @@ std::string text_of(const ComparedRuns& comparison, std::size_t most) {
   return text;
 }
 
-std::string json_of(const ComparedRuns& comparison) {
+std::string json_of(const ComparedRuns& comparison, const std::string& why) {
   Json settings = Json::array(), signals = Json::array();
   for (const auto& [key, baseline, other] : comparison.settings)
     settings.push_back({{"key", key}, {"baseline", baseline}, {"other", other}});
@@ -141,7 +141,8 @@ std::string json_of(const ComparedRuns& comparison) {
               {"only_other", comparison.only_other},
               {"equal", comparison.equal()},
               {"judged", comparison.is_judged},
-              {"broken", comparison.broken()}}
+              {"broken", comparison.broken()},
+              {"why", why.empty() ? Json() : Json::parse(why)}}
              .dump(1) +
          "\n";
 }

@@ -12,7 +12,7 @@
 namespace rths::report {
 namespace {
 
-using recording::NodeTicks;
+using recording::AxisRoles, recording::NodeTicks, recording::Roles, recording::at_each_count;
 
 constexpr std::size_t kPiece = 20;      // with one delay of a copy [ticks]
 constexpr std::size_t kSmoothing = 10;  // ticks to either side: less noise in the model's velocity

@@ -7,11 +7,6 @@
 
 namespace rths::report {
 
-/// Values of a signal and of its baseline at the same times. SI.
-struct PairedValues {
-  std::vector<double> time, baseline, other;
-};
-
 /// Values at other times, linear between samples. @pre the times lie within those of the samples
 [[nodiscard]] std::vector<double> interpolated(const std::vector<double>& time,
                                                const std::vector<double>& values,

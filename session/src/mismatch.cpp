@@ -35,17 +35,6 @@ budget::MismatchBudget budget_of(const std::filesystem::path& recording,
                        held_out ? &*held_out : nullptr);
 }
 
-// Why the experiment of a run cannot be repeated; empty: its file is as it was.
-std::string find_change(const recording::Reader& run, const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file))
-    return fmt::format("There is no mismatch budget of the response: {} is missing.",
-                       file.string());
-  if (read_file(file, kMostTextBytes) != run.config(file.filename().string()))
-    return fmt::format("There is no mismatch budget of the response: {} has changed since the run.",
-                       file.string());
-  return "";
-}
-
 // Companions of earlier versions have no mark.
 bool is_companion(const std::filesystem::path& recording,
                   const std::map<std::string, std::string>& meta) {
@@ -69,6 +58,14 @@ void improve_experiment(const std::filesystem::path& file, const experiment::Ove
 }
 
 }  // namespace
+
+std::string change_since(const recording::Reader& run, const std::filesystem::path& experiment) {
+  if (!std::filesystem::exists(experiment))
+    return fmt::format("{} is missing", experiment.string());
+  if (read_file(experiment, kMostTextBytes) != run.config(experiment.filename().string()))
+    return fmt::format("{} has changed since the run", experiment.string());
+  return "";
+}
 
 void add_mismatch_budget(const std::filesystem::path& recording,
                          const std::filesystem::path& experiment,
@@ -106,8 +103,9 @@ void add_mismatch_budget(const std::filesystem::path& recording, diagnosis::Verd
   }
   const auto path = meta.find("experiment_path");
   if (path == meta.end()) return;
-  if (const auto trouble = find_change(run, path->second); !trouble.empty()) {
-    verdict.limits.push_back(trouble);
+  if (const auto trouble = change_since(run, path->second); !trouble.empty()) {
+    verdict.limits.push_back(
+        fmt::format("There is no mismatch budget of the response: {}.", trouble));
     return;
   }
   add_mismatch_budget(recording, path->second, recording::overrides_of(run), verdict);

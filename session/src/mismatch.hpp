@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include <rths/launch/run.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/verdict/verdict.hpp>
 
 namespace rths::session {
@@ -18,5 +19,10 @@ void add_mismatch_budget(const std::filesystem::path& recording,
 
 /// The same with the experiment that the recording names. Does nothing if its file is gone.
 void add_mismatch_budget(const std::filesystem::path& recording, diagnosis::Verdict& verdict);
+
+/// Why the experiment of a run cannot be repeated: its file is missing or has changed. Empty: it
+/// can.   @setup
+[[nodiscard]] std::string change_since(const recording::Reader& run,
+                                       const std::filesystem::path& experiment);
 
 }  // namespace rths::session

@@ -2,11 +2,11 @@
 #include "recorder.hpp"
 
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include <rths/broker/watch_text.hpp>
-#include <rths/recording/recording.hpp>
 
 namespace rths::testkit {
 namespace {
@@ -16,12 +16,18 @@ constexpr Duration kStoreLook = std::chrono::microseconds{500};   // at stores t
 constexpr Duration kRow = std::chrono::milliseconds{1};
 constexpr Duration kLastWrites = std::chrono::milliseconds{500};  // may take so long
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-constexpr std::size_t kMostEntries = 16'000'000;  // 256 MB
+constexpr std::size_t kMostChanges = 16'000'000;  // 256 MB
 
 Duration look_period(const broker::Watch& watch, const memmap::Map& map) {
   for (const auto& node : map.description().nodes)
     if (watch.is_plain(node.name)) return kStoreLook;
   return kRecorderLook;
+}
+
+std::vector<SignalId> all_signals(const memmap::Map& map) {
+  std::vector<SignalId> ids;
+  for (const auto& entry : map.signals()) ids.push_back(map.signal(entry.name));
+  return ids;
 }
 
 }  // namespace
@@ -68,12 +74,13 @@ void WriteRecorder::take(const broker::Write& write) {
   const Duration time = WallClock{}.now() - begun_;
   const std::span<const std::uint32_t> words =
       write.group.empty() ? std::span{&write.value, 1} : write.group;
+  const std::lock_guard lock{mutex_};
   for (std::uint32_t i = 0; i < words.size(); ++i) {
     const std::uint32_t offset = write.offset.value() + i;
     const std::uint32_t signal = offset < signals_.size() ? signals_[offset] : kNone;
     if (signal == kNone) continue;
-    if (entries_.size() < kMostEntries)
-      entries_.push_back({time, signal, words[i]});
+    if (changes_.size() < kMostChanges)
+      changes_.push_back({time, signal, words[i]});
     else
       ++missing_;
   }
@@ -85,36 +92,58 @@ void WriteRecorder::end() {
   watch_.reset();
 }
 
+std::vector<WordChange> WriteRecorder::taken() {
+  const std::lock_guard lock{mutex_};
+  return std::exchange(changes_, {});
+}
+
 void WriteRecorder::write(const std::filesystem::path& file) {
   end();
+  RowWriter writer{file, ring_, first_, kRow};
+  writer.add(changes_);
+  writer.close(missing());
+}
+
+RowWriter::RowWriter(const std::filesystem::path& file, const std::shared_ptr<SignalRing>& ring,
+                     std::vector<double> first, Duration row)
+    : file_{file},
+      ring_{ring},
+      writer_{file, ring->map(), all_signals(ring->map()), {{}, {{"made_by", "rths"}}, {}}},
+      row_{std::move(first)},
+      span_{row},
+      has_changed_(row_.size(), false) {
+  append(Duration{0});
+}
+
+void RowWriter::append(Duration time) {
+  writer_.append(time, row_);
+  ++rows_;
+}
+
+void RowWriter::flush() {
+  if (last_ == Duration{0}) return;
+  append(last_);
+  has_changed_.assign(row_.size(), false);
+}
+
+void RowWriter::add(const std::vector<WordChange>& changes) {
   const auto& signals = ring_->map().signals();
-  std::vector<SignalId> ids;
-  for (const auto& entry : signals) ids.push_back(ring_->map().signal(entry.name));
-  recording::RecordingInfo info;
-  info.meta = {{"made_by", "rths testkit"}, {"writes_missing", fmt::format("{}", missing_)}};
-  recording::Writer writer{file, ring_->map(), ids, info};
-  std::vector<double> row = first_;
-  std::vector<bool> has_changed(row.size(), false);
-  writer.append(Duration{0}, row);
-  Duration begin{0}, last{0};  // of the changes in this row
-  const auto flush = [&] {
-    if (last == Duration{0}) return;
-    writer.append(last, row);
-    has_changed.assign(row.size(), false);
-  };
-  Duration written{0};
-  for (const auto& entry : entries_) {
-    if (has_changed[entry.signal] || entry.time - begin > kRow) {
+  for (const auto& change : changes) {
+    if (has_changed_[change.signal] || change.time - begin_ > span_) {
       flush();
-      written = last;
-      begin = entry.time;
+      written_ = last_;
+      begin_ = change.time;
     }
-    row[entry.signal] = ring_->codec(signals[entry.signal]).decode(entry.word);
-    has_changed[entry.signal] = true;
-    last = std::max(entry.time, written + Duration{1});
+    row_[change.signal] = ring_->codec(signals[change.signal]).decode(change.word);
+    has_changed_[change.signal] = true;
+    last_ = std::max(change.time, written_ + Duration{1});
   }
+}
+
+void RowWriter::close(std::uint64_t missing) {
   flush();
-  writer.close();
+  writer_.close();
+  recording::add_meta(file_, {{"writes_missing", fmt::format("{}", missing)}});
 }
 
 void ForeignLog::look(broker::Watch& watch) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include <rths/broker/watch.hpp>
+#include <rths/recording/recording.hpp>
 #include <rths/testkit/signals.hpp>
 
 namespace rths::testkit {
@@ -37,8 +39,41 @@ class ForeignLog {
   std::atomic<bool> has_suspicion_{false};
 };
 
-/// Keeps every change of a ring in memory, in a thread of its own, and journals the stores of
-/// programs for the cards, so that others can follow them. Finds stores into words of others.
+/// A change of a word, by its signal.
+struct WordChange {
+  Duration time;         ///< since the begin
+  std::uint32_t signal;  ///< in the order of the map
+  std::uint32_t word;
+};
+
+/// Writes changes as the rows of a recording. Changes of different signals within `row` share one,
+/// with the time of the last.
+class RowWriter {
+ public:
+  /// @param first  values at the begin [SI]   @throws Error if the file cannot be written
+  RowWriter(const std::filesystem::path& file, const std::shared_ptr<SignalRing>& ring,
+            std::vector<double> first, Duration row);
+  void add(const std::vector<WordChange>& changes);
+  /// @param missing  writes that were lost   @throws Error if the file cannot be written
+  void close(std::uint64_t missing);
+  [[nodiscard]] std::uint64_t rows() const { return rows_; }
+
+ private:
+  void flush();
+  void append(Duration time);
+
+  std::filesystem::path file_;
+  std::shared_ptr<SignalRing> ring_;
+  recording::Writer writer_;
+  std::uint64_t rows_ = 0;
+  std::vector<double> row_;
+  Duration span_;
+  std::vector<bool> has_changed_;
+  Duration begin_{0}, last_{0}, written_{0};  ///< of the changes in this row; of the row before
+};
+
+/// Takes every change of a ring, in a thread of its own, and journals the stores of programs for
+/// the cards, so that others can follow them. Finds stores into words of others.
 class WriteRecorder {
  public:
   explicit WriteRecorder(const std::string& ring);
@@ -48,18 +83,19 @@ class WriteRecorder {
 
   /// Stores that were not made by the word's owner.
   [[nodiscard]] const ForeignLog& foreign_log() const { return foreign_log_; }
+  [[nodiscard]] const std::shared_ptr<SignalRing>& ring() const { return ring_; }
+  /// Values at the begin [SI].
+  [[nodiscard]] const std::vector<double>& first() const { return first_; }
+  /// The changes since the last call, which are forgotten.
+  [[nodiscard]] std::vector<WordChange> taken();
+  /// Writes that were lost, or for which there was no room.
+  [[nodiscard]] std::uint64_t missing() const { return missing_.load(); }
   /// Ends the thread. Twice has no effect.
   void end();
-  /// Writes all signals [SI] to a recording. Changes of different signals within a millisecond
-  /// share a row. @throws Error if the file cannot be written
+  /// Writes all signals [SI] to a recording. @throws Error if the file cannot be written
   void write(const std::filesystem::path& file);
 
  private:
-  struct Entry {
-    Duration time;  ///< since the begin
-    std::uint32_t signal;
-    std::uint32_t word;
-  };
   void record();
   void take(const broker::Write& write);
 
@@ -67,9 +103,10 @@ class WriteRecorder {
   broker::Node observer_;
   broker::Waiter waiter_;
   std::vector<std::uint32_t> signals_;  ///< by offset; kNone: no signal begins there
-  std::vector<double> first_;           ///< values at the begin [SI]
-  std::vector<Entry> entries_;
-  std::uint64_t missing_ = 0;  ///< writes that were lost, or for which there was no room
+  std::vector<double> first_;
+  std::mutex mutex_;  ///< of the next one
+  std::vector<WordChange> changes_;
+  std::atomic<std::uint64_t> missing_{0};
   TimePoint begun_;
   ForeignLog foreign_log_;
   std::optional<broker::Watch> watch_;  ///< from the begin: no later store is taken for the first

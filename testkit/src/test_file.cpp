@@ -2,19 +2,17 @@
 #include <rths/testkit/test_file.hpp>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <rths/core/installed_files.hpp>
+#include <rths/core/text.hpp>
 
 namespace rths::testkit {
 namespace {
 
 constexpr double kLongest = 86'400;  // [s]
-constexpr std::array kKinds{"kill", "freeze", "drop", "delay", "flip"};
 
 double time_of(const Config& table, const std::string& key,
                std::optional<double> otherwise = std::nullopt) {
@@ -34,32 +32,6 @@ Program read_program(const Config& table, const std::filesystem::path& folder) {
   program.ready_s = time_of(table, "ready_s", program.ready_s);
   table.reject_unknown_keys();
   return program;
-}
-
-// Node whose messages a fault changes; the owner of its signal.
-std::string node_of(const Config& table, const memmap::Map& map, const std::string& signal) {
-  if (!signal.empty())
-    return table.placed("signal", [&] { return map.entry(map.signal(signal)).partition->node; });
-  const std::string node = table.text("node");
-  static_cast<void>(table.placed("node", [&] { return map.node(node); }));
-  return node;
-}
-
-PlannedFault read_fault(const Config& table, const memmap::Map& map) {
-  PlannedFault fault;
-  fault.at = time_of(table, "at_s", 0.0);
-  fault.kind = table.text("kind");
-  if (std::find(kKinds.begin(), kKinds.end(), fault.kind) == kKinds.end())
-    table.fail("kind", fmt::format("kind is '{}', expected one of {}", fault.kind,
-                                   fmt::join(kKinds, ", ")));
-  if (fault.kind == "drop" || fault.kind == "flip") fault.signal = table.text("signal", "");
-  if (fault.kind == "flip" && fault.signal.empty()) fault.signal = table.text("signal");
-  fault.node = node_of(table, map, fault.signal);
-  if (fault.kind != "kill" && table.has("for_s")) fault.lasting = time_of(table, "for_s");
-  if (fault.kind == "delay") fault.delay = time_of(table, "delay_s");
-  if (fault.kind == "flip") fault.bit = static_cast<int>(table.integer_in("bit", 0, 31));
-  table.reject_unknown_keys();
-  return fault;
 }
 
 // Empty if the value is no text.
@@ -105,6 +77,21 @@ Expectation read_expectation(const Config& table) {
   return expectation;
 }
 
+Baseline read_baseline(const Config& table) {
+  Baseline baseline;
+  baseline.file = table.resolve(table.text("file"));
+  const std::string patterns = table.text("signals", "");
+  for (const auto pattern : cells_of(patterns, ','))
+    if (!pattern.empty()) baseline.signals.emplace_back(pattern);
+  constexpr double kLargest = std::numeric_limits<double>::max();
+  baseline.absolute = table.number_in("abs", 0, kLargest, 0.0);
+  baseline.relative = table.number_in("rel", 0, kLargest, 0.0);
+  baseline.time = time_of(table, "time_s", 0.0);
+  baseline.aligned = table.text("align", "");
+  table.reject_unknown_keys();
+  return baseline;
+}
+
 // Finds the program of a fault. It is linked if the fault changes its messages.
 void find_program(const Config& table, PlannedFault& fault, std::vector<Program>& programs) {
   const auto found = std::find_if(programs.begin(), programs.end(), [&](const Program& program) {
@@ -126,7 +113,7 @@ void read_programs(const Config& file, TestFile& test) {
   }
   if (test.programs.empty()) file.fail("program", "has no [[program]], expected at least one");
   for (const auto& table : file.tables("fault")) {
-    test.faults.push_back(read_fault(table, map));
+    test.faults.push_back({recording::read_message_fault(table, map, {"kill", "freeze"}), ""});
     find_program(table, test.faults.back(), test.programs);
   }
 }
@@ -160,7 +147,10 @@ TestFile read_test(const Config& given) {
     test.expectations.push_back(read_expectation(table));
     check_expectation(table, test.expectations.back(), test);
   }
-  if (test.expectations.empty()) file.fail("expect", "has no [[expect]], expected at least one");
+  for (const auto& table : file.tables("baseline")) test.baselines.push_back(read_baseline(table));
+  // Programs run until their expectations are met.
+  if (test.expectations.empty() && (test.baselines.empty() || test.experiment.empty()))
+    file.fail("expect", "has no [[expect]], expected at least one");
   static_cast<void>(file.text("folder", ""));
   file.reject_unknown_keys();
   return test;

@@ -16,6 +16,8 @@ namespace {
 
 constexpr Duration kRunLook = std::chrono::milliseconds{20};  // at the programs
 constexpr double kStopGrace = 10;                             // of an experiment [s]
+constexpr Duration kLongestComparison = std::chrono::seconds{120};
+constexpr const char* kCompareLog = "rths_compare.log";
 
 /// An expectation of a signal, fed with its values in the order of time.
 class Check {
@@ -188,6 +190,34 @@ void check_recording(const TestFile& test, const std::filesystem::path& file) {
   }
 }
 
+// How far the recording of the test is from a baseline, by `rths compare`.
+void compare_with(const Baseline& baseline, const std::filesystem::path& recording,
+                  const std::filesystem::path& folder, const std::filesystem::path& command) {
+  if (!std::filesystem::exists(baseline.file))
+    throw NotMet{fmt::format(
+        "baseline {}: does not exist; if the recording of this test is right, make it: cp {} {}",
+        baseline.file.string(), recording.string(), baseline.file.string())};
+  adapters::ProgramStart start;
+  start.name = "rths compare";
+  start.command = {command.string(), "compare", baseline.file.string(), recording.string()};
+  for (const auto& [option, value] :
+       {std::pair{"--abs", baseline.absolute}, std::pair{"--rel", baseline.relative},
+        std::pair{"--time-s", baseline.time}})
+    start.command.insert(start.command.end(), {option, fmt::format("{}", value)});
+  if (!baseline.aligned.empty())
+    start.command.insert(start.command.end(), {"--align", baseline.aligned});
+  if (!baseline.signals.empty()) start.command.emplace_back("--signals");
+  for (const auto& pattern : baseline.signals) start.command.push_back(pattern);
+  start.log = folder / kCompareLog;
+  start.is_favoured = false;
+  adapters::ChildProgram compare{start};
+  if (!compare.wait(kLongestComparison))
+    throw NotMet{fmt::format("the comparison with baseline {} did not end within {:g} s",
+                             baseline.file.string(), to_seconds(kLongestComparison))};
+  if (const auto failure = compare.failure())
+    throw NotMet{fmt::format("baseline {}: {}", baseline.file.string(), *failure)};
+}
+
 void run_experiment(const TestFile& test, const std::filesystem::path& folder,
                     const std::filesystem::path& command,
                     const std::function<bool()>& is_interrupted) {
@@ -224,6 +254,7 @@ void run_experiment(const TestFile& test, const std::filesystem::path& folder,
   if ((failure && !is_inconclusive) || !std::filesystem::exists(recording))
     throw NotMet{failure.value_or("the experiment has no recorder")};
   check_recording(test, recording);
+  for (const auto& baseline : test.baselines) compare_with(baseline, recording, folder, command);
 }
 
 }  // namespace
@@ -233,7 +264,7 @@ TestResult run_test(const TestFile& test, const std::filesystem::path& folder,
                     const std::function<bool()>& is_interrupted) {
   TestResult result;
   if (!test.experiment.empty()) {
-    result.programs = {"rths_run"};
+    result.programs = {"rths_run", "rths_compare"};
     try {
       run_experiment(test, folder, command, is_interrupted);
     } catch (const NotMet& failure) {
@@ -253,7 +284,15 @@ TestResult run_test(const TestFile& test, const std::filesystem::path& folder,
     });
   } catch (const NotMet& failure) {
     result.failure = failure.what();
-    laboratory.keep();
+  }
+  if (!result.failure.empty() || !test.baselines.empty()) laboratory.keep();
+  if (!result.failure.empty() || test.baselines.empty()) return result;
+  result.programs.emplace_back("rths_compare");
+  try {
+    for (const auto& baseline : test.baselines)
+      compare_with(baseline, folder / "run.h5", folder, command);
+  } catch (const NotMet& failure) {
+    result.failure = failure.what();
   }
   return result;
 }

@@ -7,6 +7,7 @@
 
 #include <rths/adapters/numerical.hpp>
 #include <rths/adapters/recorder.hpp>
+#include <rths/adapters/replay.hpp>
 #include <rths/adapters/simulink_like.hpp>
 #include <rths/adapters/srmd.hpp>
 
@@ -33,6 +34,17 @@ std::unique_ptr<Adapter> make_sample_recorder() {
   settings.file = folder.path() / "run.h5";
   return make_recorder(memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml"),
                        settings);
+}
+
+// A recorded machine at rest, for 10 s.
+std::unique_ptr<Adapter> make_sample_replay() {
+  static const memmap::Map map =
+      memmap::load_map(test::source_tree() / "memmap/maps/srmd.ringmap.toml");
+  ReplaySettings settings;
+  for (int i = 0; i < 10'000; ++i) settings.time.push_back(0.001 * i);
+  const std::vector<std::uint32_t> words(settings.time.size());
+  settings.words = {{map.entry(map.signal("srmd.long.displ.fbk")), words}};
+  return make_replay(settings);
 }
 
 struct Candidate {
@@ -87,6 +99,7 @@ INSTANTIATE_TEST_SUITE_P(
     BuiltIn, EveryAdapter,
     ::testing::Values(Candidate{"numerical", make_sample_numerical},
                       Candidate{"recorder", make_sample_recorder},
+                      Candidate{"replay", make_sample_replay},
                       Candidate{"simulink_like",
                                 [] {
                                   return make_simulink_like(

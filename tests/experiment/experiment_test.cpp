@@ -331,7 +331,7 @@ TEST_F(ExperimentTest, ReportsErrorsWithTheirPosition) {
   EXPECT_EQ(error_with("\"srmd\"\n[node.xpc]", "\"smrd\"\n[node.xpc]"),
             "lab.toml:14:11: there is no adapter 'smrd', expected one of recorder, srmd, "
             "ideal_machine, echo, opensees_specimen, simulink_like, numerical, opensees, external, "
-            "plugin, fmu");
+            "plugin, fmu, replay");
   EXPECT_EQ(
       error_with("adapter = \"srmd\"", "adapter = \"external\"\ncommand = [\"x\", \"{moton}\"]"),
       "lab.toml:15:11: unknown placeholder '{moton}', expected one of {motion}, {step_s}, "

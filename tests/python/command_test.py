@@ -3,6 +3,7 @@ import ast
 import inspect
 import json
 import pathlib
+import sys
 import time
 
 import numpy
@@ -34,6 +35,42 @@ def test_changes_are_written_as_toml(fake_command):
         "run", "e.toml", "--clock", "wall", "--set", 'axes=["long"]', "--set", "rest_s=0.5", "--set",
         "node.echo.prompt=true", "--set", 'map="sts"', "--set", 'node.opf={"adapter" = "echo"}', "--ring", "own",
         "--no-diagnosis", "--json"]
+
+
+def table(path, factor=1.0, delay=0):
+    rows = [f"{0.001 * i:.3f},{factor * numpy.sin(0.02 * (i - delay)):.9g}" for i in range(1000)]
+    path.write_text("\n".join(["time [s],displ [m]", *rows]) + "\n")
+    return path
+
+
+def test_two_tables_are_compared(tmp_path):
+    found = rths.compare(table(tmp_path / "a.csv"), table(tmp_path / "b.csv", 25.4), rel=0.01, why=True)
+
+    assert [one.signal for one in found.broken] == ["displ"]
+    assert found.signal("displ").resemblance == "unit"
+    assert found.why["mistakes"] == ["displ is 25.4 times the baseline, as if mm had been read as inch"]
+    assert found.table().loc["displ", "peak"] == pytest.approx(1, abs=1e-3)
+    with pytest.raises(rths.Error, match="'force' was not compared"):
+        found.signal("force")
+
+
+def test_an_equal_table_has_no_broken_signal_and_needs_no_tolerance(tmp_path):
+    found = rths.compare(table(tmp_path / "a.csv"), tmp_path / "a.csv")
+
+    assert (found.broken, found.judged, found.signals[0].equal, found.why) == ((), False, True, None)
+
+
+def test_what_cannot_be_compared_is_an_error(tmp_path):
+    with pytest.raises(rths.Error, match="no common signal matches 'force'"):
+        rths.compare(table(tmp_path / "a.csv"), tmp_path / "a.csv", signals=["force"])
+
+
+def test_tables_need_pandas(tmp_path, monkeypatch):
+    found = rths.compare(table(tmp_path / "a.csv"), tmp_path / "a.csv")
+    monkeypatch.setitem(sys.modules, "pandas", None)
+
+    with pytest.raises(rths.Error, match="^a table needs pandas, which is not installed$"):
+        found.table()
 
 
 @pytest.mark.parametrize("result, folder", [

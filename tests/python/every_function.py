@@ -17,12 +17,12 @@ import numpy
 import pandas
 
 import rths
-from rths import adapter, installation, names, recording, ring, runs, testing
+from rths import adapter, comparison, installation, names, recording, ring, runs, testing
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
 MAP = TREE / "examples/python/two_signals.ringmap.toml"
 SPRING = TREE / "examples/python/spring_machine.py"
-MODULES = (adapter, installation, names, recording, ring, runs, testing)
+MODULES = (adapter, comparison, installation, names, recording, ring, runs, testing)
 called = set()
 
 
@@ -86,6 +86,9 @@ def use_recordings(folder):
     note("frame", file.frame("srmd.*"), rths.load(folder / "run", "xpc.*"))
     dataset = file.dataset("srmd.*")
     note("dataset", [(str(name), dataset[name].to_numpy()) for name in dataset.variables])
+    note("figures", run.figures())
+    found = rths.compare(folder / "run", folder / "run", signals=["srmd.*"], abs=0)
+    note("compare", found.broken, found.signal("srmd.long.displ.fbk").peak, found.table()[["peak", "samples"]])
     numbers = '{"verdict": "none", "sentence": "s", "confidence": 0.5, "causes": []}'
     (folder / "run/verdict.json").write_text(numbers)
     note("verdict", run.verdict().kind, rths.Verdict.read(folder / "run").numbers, rths.command().name)
@@ -144,7 +147,7 @@ def use_laboratory(folder):
     lab.freeze("machine")
     lab.thaw("machine")
     run = lab.run(TREE / "examples/srmd_lprb_2d.toml", set={"duration_s": 1}, diagnosis=False)
-    note("lab.run", run.exit_code)
+    note("lab.run", run.exit_code, lab.expect_baseline(run.folder, run).broken)
     lab.check_owners()
     lab.kill("machine")
     note("log", lab.log("machine"))

@@ -40,6 +40,20 @@ def test_a_program_of_the_vendors_api_plays_a_node(rths_lab):
     lab.expect_within(5, "machine.force", 1e5, tolerance=10)
 
 
+def test_a_recording_repeats_its_baseline(rths_lab, tmp_path):
+    lab = rths_lab(TWO_SIGNALS)
+    baseline, near = tmp_path / "baseline.csv", tmp_path / "near.csv"
+    near.write_text("time [s],force [N]\n" + "".join(f"{i},{100 + i}\n" for i in range(100)))
+
+    with pytest.raises(AssertionError, match=f"does not exist; .* make it: cp {near} {baseline}$"):
+        lab.expect_baseline(baseline, near)
+    assert not baseline.exists()
+    baseline.write_text("time [s],force [N]\n" + "".join(f"{i},{100.5 + i}\n" for i in range(100)))
+    lab.expect_baseline(baseline, near, abs=1)
+    with pytest.raises(AssertionError, match="1 of 1 signals are outside their tolerance, first force at 0 s$"):
+        lab.expect_baseline(baseline, near)
+
+
 def test_laboratories_do_not_see_each_other(rths_lab):
     first, second = rths_lab(TWO_SIGNALS), rths_lab(TWO_SIGNALS)
 

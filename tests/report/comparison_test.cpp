@@ -215,5 +215,14 @@ TEST_F(Compared, RefuseWhatCannotBeCompared) {
       std::string::npos);
 }
 
+TEST_F(Compared, RefuseAPatternThatMatchesNothingBesideOneThatDoes) {
+  const auto a = table("a.csv", [](double t) { return motion(t); });
+  ComparisonSettings settings;
+  settings.patterns = {"disp*", "dipsl"};
+
+  EXPECT_EQ(error_of([&] { static_cast<void>(compare(a, a, settings)); }),
+            "no common signal matches 'dipsl' (did you mean 'displ'?)");
+}
+
 }  // namespace
 }  // namespace rths::report

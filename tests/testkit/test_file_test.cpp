@@ -122,6 +122,31 @@ TEST(AddTest, RunsAnExperimentInVirtualTime) {
   EXPECT_NE(ran.out.find("srmd.long.displ.fbk: expected above 10"), std::string::npos) << ran.out;
 }
 
+TEST(AddTest, HasABaseline) {
+  const test::TemporaryFolder folder;
+  const auto with = [&](const std::string& name, const std::string& scale,
+                        const std::string& tolerance) {
+    return "rths_add_test(NAME " + name + " EXPERIMENT " +
+           (test::source_tree() / "examples/srmd_lprb_2d.toml").string() +
+           " SET duration_s=2 rest_s=0 motion.scale=" + scale +
+           "\nBASELINE \"file=" + (folder.path() / "baseline.h5").string() +
+           " signals=srmd.*.fbk,opf.* " + tolerance + "\")\n";
+  };
+  const auto missing = run_project(folder, with("first", "0.5", ""));
+  // As its message says.
+  const auto copy = missing.out.find("cp ");
+  ASSERT_NE(copy, std::string::npos) << missing.out;
+  EXPECT_EQ(std::system(missing.out.substr(copy, missing.out.find('\n', copy) - copy).c_str()), 0);
+  const auto ran = run_project(folder, with("same", "0.5", "") + with("near", "0.52", "abs=1e9") +
+                                           with("other", "0.52", "rel=0.001"));
+
+  EXPECT_NE(missing.exit_code, 0);
+  EXPECT_NE(missing.out.find("baseline.h5: does not exist; if the recording of this test is right"),
+            std::string::npos);
+  EXPECT_NE(ran.out.find("1 tests failed out of 3"), std::string::npos) << ran.out << ran.err;
+  EXPECT_NE(ran.out.find("signals are outside their tolerance"), std::string::npos) << ran.out;
+}
+
 TEST(AddTest, HasProgramsOfTheVendorsApi) {
   const test::TemporaryFolder folder;
   const std::string bin = (test::build_tree() / "bin/rths_test_").string();

@@ -11,6 +11,12 @@
 
 namespace rths::launch {
 
+/// Gives the calling thread real-time scheduling, locked memory and exact timers. Nothing else
+/// does so. A missing privilege is not an error.
+/// @param priority  1…99
+/// @returns the missing privileges as text; empty if none   @setup
+[[nodiscard]] std::string make_realtime(int priority);
+
 /// Real-time privileges that this user lacks, as text; empty if none.   @setup
 [[nodiscard]] std::string missing_privileges();
 

@@ -90,10 +90,27 @@ struct ComparedRuns {
                                    const std::filesystem::path& other,
                                    const ComparisonSettings& settings);
 
+/// Values of a signal and of its baseline at the same times. SI.
+struct PairedValues {
+  std::vector<double> time, baseline, other;
+};
+
+/// The values of signals of a comparison, as it was made. Reads the files anew.
+/// @param names  of signals in the baseline   @throws Error as compare   @setup
+[[nodiscard]] std::vector<PairedValues> values_of(const ComparedRuns& comparison,
+                                                  const std::vector<std::string>& names);
+
 /// As lines for a terminal.
 /// @param most  signals to list
 [[nodiscard]] std::string text_of(const ComparedRuns& comparison, std::size_t most);
 /// As one JSON document, without the samples.
-[[nodiscard]] std::string json_of(const ComparedRuns& comparison);
+/// @param why  object of JSON that explains the difference; empty: none
+[[nodiscard]] std::string json_of(const ComparedRuns& comparison, const std::string& why = "");
+
+/// As one page that needs no network: settings, figures, and curves with their difference.
+/// @param most  signals with curves
+/// @param why  as for json_of   @throws Error as compare   @setup
+[[nodiscard]] std::string comparison_page(const ComparedRuns& comparison, std::size_t most,
+                                          const std::string& why = "");
 
 }  // namespace rths::report

@@ -8,20 +8,15 @@
 #include <vector>
 
 #include <rths/core/config.hpp>
+#include <rths/recording/message_fault.hpp>
 #include <rths/testkit/laboratory.hpp>
 
 namespace rths::testkit {
 
-/// A fault of a test; times count from its begin, when all programs are ready [s].
-struct PlannedFault {
-  double at = 0;
-  std::string kind;  ///< kill, freeze, drop, delay or flip
-  std::string node;
-  std::string program;            ///< that plays the node
-  std::string signal;             ///< of drop and flip
-  std::optional<double> lasting;  ///< empty: until the end [s]
-  double delay = 0;               ///< [s]
-  int bit = 0;
+/// A fault of a test, also of a whole program: kind is then kill or freeze. Times count from the
+/// begin of the test, when all programs are ready.
+struct PlannedFault : recording::MessageFault {
+  std::string program;  ///< that plays the node
 };
 
 /// An expectation of a test; times count from its begin [s].
@@ -34,6 +29,14 @@ struct Expectation {
   std::string program;     ///< must end with exit code 0
 };
 
+/// A recording or table that the recording of the test must repeat, within a tolerance.
+struct Baseline {
+  std::filesystem::path file;                   ///< also the folder of a run
+  std::vector<std::string> signals;             ///< patterns; empty: all
+  double absolute = 0, relative = 0, time = 0;  ///< tolerance [SI], [-], [s]
+  std::string aligned;                          ///< signal whose delay is removed; empty: none
+};
+
 /// A test of a laboratory as a file. It has programs on a ring of its own, or an experiment.
 struct TestFile {
   std::string name, map;
@@ -44,6 +47,7 @@ struct TestFile {
   std::vector<std::string> changes;  ///< key=value, of the experiment
   std::vector<PlannedFault> faults;
   std::vector<Expectation> expectations;
+  std::vector<Baseline> baselines;
 };
 
 /// Reads a test. @throws Error with the place of the first mistake   @setup
