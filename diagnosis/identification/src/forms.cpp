@@ -53,11 +53,14 @@ std::optional<Fit> fit_of(const Problem& problem, const Hypothesis& hypothesis, 
 }
 
 // The model with a free form, fitted to a fold: the best of short fits from several starts goes on.
+// After a search that has done as much as it may, one short fit is made.
 std::optional<Hypothesis> with_form(const TestedHypothesis& base, const Screened& screened,
                                     const Fold& fold) {
+  const bool is_brief = base.problem().progress().is_search_over();
+  const std::size_t starts = is_brief ? 1 : kStartsOfForm;
   std::optional<Hypothesis> best;
   double least = 0;
-  for (std::size_t i = 0; i < std::min(kStartsOfForm, screened.starts.size()); ++i) {
+  for (std::size_t i = 0; i < std::min(starts, screened.starts.size()); ++i) {
     Hypothesis tried = extended(base.hypothesis(), *screened.candidate, screened.starts[i]);
     const auto fit = fit_of(base.problem(), tried, fold, kShortFit);
     if (!fit || (best && fit->sum_of_squares >= least)) continue;
@@ -66,6 +69,7 @@ std::optional<Hypothesis> with_form(const TestedHypothesis& base, const Screened
     best = std::move(tried);
   }
   if (!best) return std::nullopt;
+  if (is_brief) return best;
   if (const auto fit = fit_of(base.problem(), *best, fold, kLongFit))
     best->values = fit->parameters;
   return best;

@@ -31,7 +31,7 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] std::vector<double> driven(std::size_t input, const VectorXd& values) const;
   /// A step of a system solves for the forces of its connections by iteration.
   [[nodiscard]] int work_per_row() const override {
-    constexpr int kWorkOfStep = 4;
+    constexpr int kWorkOfStep = 6;
     return kWorkOfStep * setup_.substeps;
   }
 
