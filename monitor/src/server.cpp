@@ -36,7 +36,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kLoopback = "127.0.0.1";
 constexpr const char* kWriteTimeoutMs = "2000";     // then a page that does not read is dropped
-constexpr const char* kSilenceTimeoutMs = "15000";  // pages send a message every 2 s
+constexpr const char* kSilenceTimeoutMs = "90000";  // a hidden page sends one each minute
 constexpr const char* kCookie = "rths_token=";
 
 enum Http { kOk = 200, kForbidden = 403, kNotFound = 404, kMethodNotAllowed = 405 };
@@ -102,10 +102,11 @@ struct PageServer::State {
   ServerSettings settings;
   std::string html;
   ShownRing ring;
-  std::mutex mutex;  ///< of the viewers
+  std::mutex mutex;  ///< of the viewers and of the trouble
   std::map<const mg_connection*, std::unique_ptr<Viewer>> viewers;
   std::atomic<int> connected{0};
-  std::string trouble;  ///< the server's last message
+  std::atomic<bool> starts{true};
+  std::string trouble;  ///< the server's last message while it starts
   std::uint16_t port = 0;
   mg_context* context = nullptr;
 
@@ -284,7 +285,10 @@ void PageServer::State::close(const mg_connection* connection, void* self) {
 
 int PageServer::State::log(const mg_connection* connection, const char* message) {
   const mg_context* context = mg_get_context(connection);
-  if (context != nullptr) of(mg_get_user_data(context)).trouble = message;
+  if (context == nullptr) return 1;
+  State& state = of(mg_get_user_data(context));
+  const std::scoped_lock lock{state.mutex};
+  if (state.starts.load()) state.trouble = message;
   return 1;
 }
 
@@ -311,6 +315,7 @@ void PageServer::State::start() {
   if (context == nullptr || mg_get_server_ports(context, 1, &found) < 1)
     throw Error{fmt::format("{} cannot be used for the page{}{}; choose another --port", port_text,
                             trouble.empty() ? "" : ": ", trouble)};
+  starts.store(false);
   port = static_cast<std::uint16_t>(found.port);
   mg_set_websocket_handler(context, "/ws", connect, ready, receive, close, this);
   mg_set_request_handler(

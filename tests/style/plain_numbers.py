@@ -15,7 +15,7 @@ import sys
 TREE = pathlib.Path(__file__).resolve().parents[2]
 # Programs of examples and benchmarks keep their own locale.
 FOLDERS = ("adapters", "app", "broker", "commissioning", "controller", "core", "diagnosis", "launch", "maths", "memmap",
-           "python", "recording", "report", "sim", "testkit")
+           "monitor", "python", "recording", "report", "sim", "testkit")
 FORBIDDEN = {
     r"\b(strto(d|f|ld)|sto(d|f|ld)|atof)\s*\(": "number_of",
     r"\b\w*(printf|scanf)\s*\([^;]*%[-+ #0-9.*]*(l|L)?[aAeEfFgG]": "fmt::format or number_of",

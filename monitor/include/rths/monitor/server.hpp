@@ -14,7 +14,7 @@ namespace rths::monitor {
 
 /// Limits of the safety layer of an axis. An infinite one is off.
 struct ShownLimits {
-  std::string axis;         ///< "long", "lat"
+  std::string axis;         ///< as the roles name it
   double displacement = 0;  ///< ± [m]
   double force = 0;         ///< ± [N]
   double tracking = 0;      ///< measured motion from the command ± [m]
