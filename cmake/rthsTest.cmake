@@ -1,6 +1,6 @@
 # rths_add_test(NAME <name> MAP <map> NODES "<node>: <command line>"… EXPECT "<key=value> …"…
-#               [FAULTS "<key=value> …"…] [BASELINE "<key=value> …"…] [DEADLINE <seconds>])
-# rths_add_test(NAME <name> EXPERIMENT <file> [CLOCK virtual|wall] [SET <key=value>…] [EXPECT …] [BASELINE …]
+#               [FAULTS "<key=value> …"…] [DEADLINE <seconds>])
+# rths_add_test(NAME <name> EXPERIMENT <file> [CLOCK virtual|wall] [SET <key=value>…] [EXPECT …] [BASELINE "<key=value> …"…]
 #               [DEADLINE <seconds>])
 #
 # A test of ctest: programs as nodes on a ring of their own, or an experiment. `rths test` runs it; docs/testing.md

@@ -210,8 +210,7 @@ bool wait_until(TimePoint due, WallClock& clock, const std::function<bool()>& is
 
 }  // namespace
 
-Played play(const PlaySettings& settings, const std::function<bool()>& is_interrupted,
-            const std::function<void()>& ready) {
+Played play(const PlaySettings& settings, const std::function<bool()>& is_interrupted) {
   if (recording::is_being_written(settings.recording))
     throw Error{settings.recording.string() + ": is still written, expected a finished recording"};
   const recording::Reader run{settings.recording};
@@ -222,7 +221,6 @@ Played play(const PlaySettings& settings, const std::function<bool()>& is_interr
   for (std::size_t i = 0; i < words.size(); ++i)
     nodes.emplace_back(ring.ring(), settings.nodes[i], std::move(words[i]));
   wait_for(settings, ring.ring(), is_interrupted);
-  if (ready) ready();
   Played played;
   played.gap_errors.reserve(run.rows());
   WallClock clock;

@@ -148,8 +148,11 @@ TestFile read_test(const Config& given) {
     check_expectation(table, test.expectations.back(), test);
   }
   for (const auto& table : file.tables("baseline")) test.baselines.push_back(read_baseline(table));
-  // Programs run until their expectations are met.
-  if (test.expectations.empty() && (test.baselines.empty() || test.experiment.empty()))
+  if (!test.baselines.empty() && test.experiment.empty())
+    file.fail("baseline",
+              "has [[baseline]] without an experiment, expected none: the writes of "
+              "programs have no times of their own");
+  if (test.expectations.empty() && test.baselines.empty())
     file.fail("expect", "has no [[expect]], expected at least one");
   static_cast<void>(file.text("folder", ""));
   file.reject_unknown_keys();

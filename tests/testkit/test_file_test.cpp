@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // `rths test FILE`.
+#include <cstdlib>
+
 #include <gtest/gtest.h>
 
 #include "support/files.hpp"
@@ -69,6 +71,7 @@ TEST_F(TestFile, NamesThePlaceOfAMistake) {
   const std::vector<std::pair<std::string, std::string>> mistakes = {
       {"", "has no [[expect]]"},
       {"[[expect]]\nsignal = \"machine.force\"\nwithin_s = 1\n", "value, above, below"},
+      {"[[baseline]]\nfile = \"b.h5\"\n", "has [[baseline]] without an experiment"},
       {"[[expect]]\nends = \"nobody\"\nwithin_s = 1\n", "there is no program 'nobody'"},
       {"[[expect]]\nends = \"solver\"\nwithin = 1\n", "within"},
       {"[[fault]]\nkind = \"burn\"\nnode = \"solver\"\n", "expected one of kill, freeze, drop"},

@@ -28,13 +28,11 @@ struct Played {
 /// Writes the recorded words of some nodes to a ring, as these nodes, at their recorded times. A
 /// word is written in the rows in which it changes. Monitors that the ring does not have in the
 /// same place are left out. A ring that it makes is removed at the end.
-/// @param ready  called when the nodes are on the ring and the awaited ones are awaited; may be
-///               empty
 /// @param is_interrupted  ends it early
 /// @throws Error if the recording lacks a node or is still written, if the ring has another map, or
 ///         if a node is on it already, or an awaited one is not in time
-[[nodiscard]] Played play(const PlaySettings& settings, const std::function<bool()>& is_interrupted,
-                          const std::function<void()>& ready = {});
+[[nodiscard]] Played play(const PlaySettings& settings,
+                          const std::function<bool()>& is_interrupted);
 
 struct RingRecording {
   std::uint64_t writes = 0, missing = 0;  ///< missing: overwritten before they were read

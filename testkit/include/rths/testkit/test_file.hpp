@@ -29,7 +29,7 @@ struct Expectation {
   std::string program;     ///< must end with exit code 0
 };
 
-/// A recording or table that the recording of the test must repeat, within a tolerance.
+/// A recording or table that the recording of an experiment must repeat, within a tolerance.
 struct Baseline {
   std::filesystem::path file;                   ///< also the folder of a run
   std::vector<std::string> signals;             ///< patterns; empty: all
