@@ -5,6 +5,8 @@ import json
 import pathlib
 import sys
 import time
+import urllib.error
+import urllib.request
 
 import numpy
 import pytest
@@ -35,6 +37,21 @@ def test_changes_are_written_as_toml(fake_command):
         "run", "e.toml", "--clock", "wall", "--set", 'axes=["long"]', "--set", "rest_s=0.5", "--set",
         "node.echo.prompt=true", "--set", 'map="sts"', "--set", 'node.opf={"adapter" = "echo"}', "--ring", "own",
         "--no-diagnosis", "--json"]
+
+
+def test_a_view_serves_a_page_until_it_is_closed():
+    with rths.view("nobody", port=0) as page:
+        with urllib.request.urlopen(page.url, timeout=5) as answer:
+            assert "<html" in answer.read().decode()
+        assert f'href="{page.url}"' in page._repr_html_()
+
+    with pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(page.url, timeout=5)
+
+
+def test_a_view_that_cannot_be_served_says_why():
+    with rths.view("nobody", port=0) as page, pytest.raises(rths.Error, match="port"):
+        rths.view("nobody", port=int(page.url.rsplit(":", 1)[1].strip("/")))
 
 
 def table(path, factor=1.0, delay=0):

@@ -17,12 +17,12 @@ import numpy
 import pandas
 
 import rths
-from rths import adapter, comparison, installation, names, recording, ring, runs, testing
+from rths import adapter, comparison, installation, names, recording, ring, runs, testing, watching
 
 TREE = pathlib.Path(__file__).resolve().parents[2]
 MAP = TREE / "examples/python/two_signals.ringmap.toml"
 SPRING = TREE / "examples/python/spring_machine.py"
-MODULES = (adapter, comparison, installation, names, recording, ring, runs, testing)
+MODULES = (adapter, comparison, installation, names, recording, ring, runs, testing, watching)
 called = set()
 
 
@@ -88,6 +88,9 @@ def use_recordings(folder):
     note("dataset", [(str(name), dataset[name].to_numpy()) for name in dataset.variables])
     note("figures", run.figures())
     found = rths.compare(folder / "run", folder / "run", signals=["srmd.*"], abs=0)
+    with rths.view("nobody", port=0) as page:
+        note("view", page.url.startswith("http://127.0.0.1:"))
+        page.close()
     note("compare", found.broken, found.signal("srmd.long.displ.fbk").peak, found.table()[["peak", "samples"]])
     numbers = '{"verdict": "none", "sentence": "s", "confidence": 0.5, "causes": []}'
     (folder / "run/verdict.json").write_text(numbers)
