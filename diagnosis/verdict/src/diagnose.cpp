@@ -325,10 +325,13 @@ Conclusion conclude(const AllFindings& all, const Ranking& ranking, std::vector<
   conclusion.causes = std::move(causes);
   conclusion.has_remainder = conclusion.outcome == Outcome::Missing &&
                              (ranking.unknown != nullptr || shown.has_remainder());
-  for (const auto& found : all)
+  for (const auto& found : all) {
     if (found->is_unknown()) conclusion.unexplained.push_back(output_of(*found));
+    for (const auto& [candidate, reason] : found->withdrawn)
+      conclusion.withdrawn.push_back(candidate.title);
+  }
   conclusion.where = std::move(where);
-  if (shown.is_named()) conclusion.where.part = shown.selection.rounds[0].chosen.candidate.part;
+  if (!conclusion.causes.empty()) conclusion.where.part = conclusion.causes[0].part;
   if (!lattices.empty()) name_lattices(lattices, conclusion);
   conclusion.confidence = confidence_in_outcome(
       conclusion, std::all_of(all.begin(), all.end(),
@@ -372,6 +375,23 @@ SensorNoise noise_of(const Case& c, const std::vector<Lattice>& lattices) {
   std::vector<const Record*> records;
   for (const auto& record : c.records) records.push_back(&record);
   return {records, c.noise, rounding_of(lattices)};
+}
+
+// What was tested, in a word, where the records do not tell it from its machine.
+std::string specimen_of(const Case& given) {
+  const bool is_run = given.source.file.has("run") || !given.source.experiment.keys().empty();
+  if (is_run || given.model.kind == ModelKind::ServoAxis) return "";
+  if (given.model.kind == ModelKind::Bearing) return "specimen";
+  if (given.model.kind == ModelKind::Structure) return kStructure;
+  if (given.model.kind != ModelKind::Platen) return kSystem;
+  // A platen with nothing but springs on it is the tested device itself.
+  const auto terms = sim::read_terms(given.model.table.without("bounds"));
+  const bool has_bearing = std::any_of(terms.begin(), terms.end(), [](const auto& term) {
+    const auto stage = sim::term_kind(term.kind).stage;
+    return (stage == sim::Stage::Restoring || stage == sim::Stage::Modifier) &&
+           !term.kind.ends_with("_stiffness");
+  });
+  return has_bearing ? "" : "device";
 }
 
 // Everything that a case shows, but its name and the time taken.
@@ -437,6 +457,7 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   DiagnosisProgress progress{options.progress};
   Verdict verdict = verdict_on(given, options, progress);
   verdict.case_name = given.name;
+  verdict.specimen = specimen_of(given);
   verdict.sentence = sentence_of(verdict);
   verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return verdict;
