@@ -12,7 +12,7 @@
 namespace rths::report::web {
 
 extern const std::string_view kReportHtml, kReportCss, kReportJs;
-extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs;
+extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs, kSaveJs;
 extern const std::string_view kVerdictCss, kSentenceJs, kStructureJs;
 extern const std::string_view kDiagnosisHtml, kDiagnosisCss, kDiagnosisJs;
 extern const std::string_view kQuantitiesJs, kChartsJs, kCurtainJs, kVerdictJs, kWhereJs, kProofJs,

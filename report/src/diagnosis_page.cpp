@@ -106,12 +106,13 @@ std::string verdict_page(const diagnosis::Verdict& given) {
       std::min(kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, shown.size()));
   data["traces"] =
       each(shown, [&](const diagnosis::Trace* trace) { return trace_data(*trace, most); });
-  return assemble({web::kDiagnosisHtml,
-                   {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
-                   {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
-                    web::kSentenceJs, web::kChartsJs, web::kCurtainJs, web::kVerdictJs,
-                    web::kBudgetJs, web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
-                  data);
+  return assemble(
+      {web::kDiagnosisHtml,
+       {web::kReportCss, web::kVerdictCss, web::kDiagnosisCss},
+       {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs, web::kSentenceJs,
+        web::kChartsJs, web::kSaveJs, web::kCurtainJs, web::kVerdictJs, web::kBudgetJs,
+        web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
+      data);
 }
 
 }  // namespace rths::report
