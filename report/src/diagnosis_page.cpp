@@ -69,12 +69,14 @@ Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
           {"excess", curve(trace.excess, most)}};
 }
 
-// The response of the test, of its simulation and of the improved simulation.
+// The response of the test, of its simulation, and with all parts as identified. Times are those of
+// the recording, as everywhere on the pages of a run.
 Json response_data(const diagnosis::Verdict& verdict) {
   return each(verdict.budget.axes, [&](const budget::AxisBudget& axis) {
-    std::vector<double> time;
-    for (std::size_t i = 0; i < axis.measured.size(); ++i)
+    std::vector<double> time = verdict.budget.times;
+    for (std::size_t i = time.size(); i < axis.measured.size(); ++i)
       time.push_back(static_cast<double>(i + 1) * verdict.budget.integration_step);
+    time.resize(axis.measured.size());
     return Json{{"axis", name_of(axis.axis)},
                 {"time", curve(time, kMostTracePoints)},
                 {"measured", curve(axis.measured, kMostTracePoints)},
