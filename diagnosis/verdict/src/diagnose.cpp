@@ -377,23 +377,6 @@ SensorNoise noise_of(const Case& c, const std::vector<Lattice>& lattices) {
   return {records, c.noise, rounding_of(lattices)};
 }
 
-// What was tested, in a word, where the records do not tell it from its machine.
-std::string specimen_of(const Case& given) {
-  const bool is_run = given.source.file.has("run") || !given.source.experiment.keys().empty();
-  if (is_run || given.model.kind == ModelKind::ServoAxis) return "";
-  if (given.model.kind == ModelKind::Bearing) return "specimen";
-  if (given.model.kind == ModelKind::Structure) return kStructure;
-  if (given.model.kind != ModelKind::Platen) return kSystem;
-  // A platen with nothing but springs on it is the tested device itself.
-  const auto terms = sim::read_terms(given.model.table.without("bounds"));
-  const bool has_bearing = std::any_of(terms.begin(), terms.end(), [](const auto& term) {
-    const auto stage = sim::term_kind(term.kind).stage;
-    return (stage == sim::Stage::Restoring || stage == sim::Stage::Modifier) &&
-           !term.kind.ends_with("_stiffness");
-  });
-  return has_bearing ? "" : "device";
-}
-
 // Everything that a case shows, but its name and the time taken.
 Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
                    DiagnosisProgress& progress) {
