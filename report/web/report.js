@@ -158,7 +158,7 @@
   // The response over time and, below, the differences from the test: the curves lie on each other.
   // Step i of the test reaches time (i + 1) Δt of a model; both are drawn at the time of the recording.
   const overTime = () => {
-    const start = Array.from(unpack(data.steps.start_s));
+    const start = Array.from(unpack(data.steps.start_s)), group = { ...figures.group("response"), marks: figures.time.marks };
     for (const a of data.axes) {
       const u = Array.from(unpack(a.step_displacement_mm)).slice(0, start.length);
       const at = (m, t) => {
@@ -173,9 +173,9 @@
       });
       if (!models.length) return;
       lines("over-time", `Response, ${AXIS_NAME[a.name]}`, start, "time [s]", "displacement [mm]",
-        [...models, { ...styled("hybrid"), width: 1.3, y: u }], { height: 220 });
+        [...models, { ...styled("hybrid"), width: 1.3, y: u }], { group, height: 220 });
       lines("over-time", `Difference from the test, ${AXIS_NAME[a.name]}`, start, "time [s]", "difference [mm]",
-        models.map(m => ({ ...m, y: m.y.map((y, i) => (y == null ? null : y - u[i])) })), { height: 180 });
+        models.map(m => ({ ...m, y: m.y.map((y, i) => (y == null ? null : y - u[i])) })), { group, height: 180 });
     }
   };
 
