@@ -185,7 +185,9 @@ TEST_F(DiagnosedRun, OpensItsReportWithTheHeadline) {
   EXPECT_EQ(numbers["diagnosis"], verdict);
   const std::string headline = verdict["headline"];
   const Json& answers = verdict["answers"];
-  EXPECT_EQ(test::unreadable(headline, {answers["missing"], answers["certainty"], answers["next"]}),
+  EXPECT_EQ(test::unreadable(headline, {answers["missing"].get<std::string>(),
+                                        answers["certainty"].get<std::string>(),
+                                        answers["next"].get<std::string>()}),
             "");
   EXPECT_NE(run.standard_output().find("\n" + headline + "\n"), std::string::npos);
   EXPECT_LT(page.find("id=\"found-sentence\""), page.find("id=\"title\""));
