@@ -56,6 +56,8 @@ const charts = (() => {
     const i = profile.share.indexOf(Math.max(...profile.share));
     return `${caption}: the largest share, ${shareText(profile.share[i])}, lies between ${brief(profile.edges[i])} and ${brief(profile.edges[i + 1])} ${unitOf(label)}.`;
   };
+  const cellsOf = (profile, label) => ({ head: [`from: ${label}`, `to: ${label}`, "share [-]"],
+    rows: profile.share.map((share, i) => [profile.edges[i], profile.edges[i + 1], share]) });
   // Index of the number nearest to a value.
   const nearest = (values, value) => values.reduce((best, v, i) => (Math.abs(v - value) < Math.abs(values[best] - value) ? i : best), 0);
 
@@ -125,6 +127,7 @@ const charts = (() => {
       xAxis(picture, x, domain, height - 40, label, log);
       return cellAt(profile, x, label);
     });
+    save.chart(box, () => cellsOf(given, label));
   };
 
   // Measurement over time, and below it the mismatch over time.
@@ -156,6 +159,7 @@ const charts = (() => {
         return [...told, `measured: ${brief(curve.y[i])} ${unitOf(units.label)} at ${isTime ? `${curve.x[i].toFixed(2)} s` : `row ${curve.x[i]}`}`];
       };
     });
+    save.chart(box, () => cellsOf(profile, isTime ? "time [s]" : "row"));
   };
 
   const mixed = (a, b, share) => {
@@ -208,6 +212,8 @@ const charts = (() => {
         return cell ? [shareText(cell.share), title(cell), cellText(cell)] : null;
       };
     });
+    save.chart(box, () => ({ head: ["displacement from [m]", "to [m]", "velocity from [m/s]", "to [m/s]", "share [-]"],
+      rows: cells.map(c => [...c.displacement_m, ...c.velocity_m_per_s, c.share]) }));
   };
 
   // A curve with the band of its standard deviation.
@@ -229,6 +235,7 @@ const charts = (() => {
         return [`${brief(x[i])} ${unitOf(xLabel)}`, `${brief(y[i])} ± ${brief(2 * (band[i] || 0))} ${unitOf(yLabel)}`];
       };
     });
+    save.chart(box, () => ({ head: [xLabel, yLabel, `standard deviation: ${yLabel}`], rows: x.map((value, i) => [value, y[i], band[i]]) }));
   };
 
   // Autocorrelation over the lags, with the bound for noise.
@@ -255,6 +262,7 @@ const charts = (() => {
         return [`lag ${i + 1}`, values[i] == null ? "–" : values[i].toFixed(3)];
       };
     });
+    save.chart(box, () => ({ head: ["lag [samples]", "correlation [-]"], rows: values.map((value, i) => [i + 1, value]) }));
   };
 
   // Rows of name, bar and value. All bars begin at 0 and share one scale.

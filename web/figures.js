@@ -4,7 +4,7 @@ const figures = (() => {
   const { el, figure, swatch, marks } = plots;
   const WIDTH = 1.4, NEAR = 6;  // of a curve, and of the cursor to a mark [px]
   // Pictures over time that zoom together and share their cursor, and the marks on them.
-  const group = key => ({ key, plots: [], marks: [] });
+  const group = key => ({ key, plots: [], marks: [], cursors: [], tellers: [] });
   const time = group("time");
 
   const number = value => {
@@ -33,7 +33,8 @@ const figures = (() => {
   const axisStyle = (label, extra = {}) => ({
     label, labelSize: 18, labelGap: 0, size: 32, labelFont: "12px system-ui", font: "11px system-ui",
     stroke: () => theme.color("soft"), grid: { stroke: () => theme.color("grid"), width: 1 },
-    ticks: { stroke: () => theme.color("tick"), width: 1, size: 5 }, ...extra,
+    ticks: { stroke: () => theme.color("tick"), width: 1, size: 5 },
+    values: (u, splits) => splits.map(v => (v == null ? "" : quantities.tick(v, splits))), ...extra,
   });
   // On a logarithmic axis: 1, 2 and 5 of each decade carry a number.
   const logTicks = {
@@ -208,6 +209,7 @@ const figures = (() => {
     plot.over.addEventListener("mouseleave", () => point(null));
     legend(box, plot, curves);
     describe(box, plot, summary(caption, curves, xLabel, yLabel));
+    save.curves(box, () => ({ caption, xLabel, yLabel, view, curves: curves.filter((c, i) => c.label && plot.series[i + 1].show) }));
     fit(box, plot, options.height ? () => options.height : width => Math.round(Math.min(width * 0.78, 430)));
     return plot;
   };
@@ -236,6 +238,56 @@ const figures = (() => {
       if (other.scales.x.min !== min || other.scales.x.max !== max) other.setScale("x", { min, max });
   };
   const endsOf = u => [u.data[0][0], u.data[0][u.data[0].length - 1]];
+  // Two cursors that stay where a click sets them; a third click removes both.
+  const drawCursors = over => u => {
+    const { ctx, bbox } = u;
+    ctx.save();
+    ctx.strokeStyle = theme.color("ink");
+    ctx.lineWidth = devicePixelRatio;
+    over.cursors.forEach((at, i) => {
+      const x = u.valToPos(at, "x", true);
+      if (x < bbox.left || x > bbox.left + bbox.width) return;
+      ctx.beginPath();
+      ctx.moveTo(x, bbox.top);
+      ctx.lineTo(x, bbox.top + bbox.height);
+      ctx.stroke();
+      ctx.font = `600 ${11 * devicePixelRatio}px system-ui, sans-serif`;
+      ctx.fillStyle = theme.color("ink");
+      ctx.fillText("AB"[i], x + 3 * devicePixelRatio, bbox.top + 11 * devicePixelRatio);
+    });
+    ctx.restore();
+  };
+  // Values at both cursors and their differences, below the figure.
+  const cursorTeller = (box, plot, over, x, curves, xLabel, yLabel) => {
+    const told = el("p", { className: "cursors", hidden: true });
+    box.append(told);
+    over.tellers.push(() => {
+      told.hidden = !over.cursors.length;
+      const [a, b] = over.cursors.map(at => plot.valToIdx(at));
+      const parts = b === undefined ? [`A: ${nameOf(xLabel)} ${quantity(x[a], xLabel)}`]
+        : [`B − A: ${nameOf(xLabel)} ${quantity(x[b] - x[a], xLabel)}`];
+      curves.forEach((c, i) => {
+        if (!c.label || !plot.series[i + 1].show) return;
+        const y = c.shown || c.y;
+        parts.push(`${c.label} ${quantity(b === undefined ? y[a] : y[b] == null || y[a] == null ? null : y[b] - y[a], yLabel)}`);
+      });
+      told.textContent = over.cursors.length ? parts.join(" · ") : "";
+      plot.redraw(false);
+    });
+    const set = cursors => {
+      over.cursors = cursors;
+      for (const tell of over.tellers) tell();
+    };
+    let pressed = 0;
+    plot.over.addEventListener("mousedown", event => { pressed = event.clientX; });
+    plot.over.addEventListener("click", event => {
+      if (Math.abs(event.clientX - pressed) > 3) return;  // a zoom
+      const at = x[plot.posToIdx(event.clientX - plot.over.getBoundingClientRect().left)];
+      set(over.cursors.length < 2 ? [...over.cursors, at].sort((a, b) => a - b) : []);
+    });
+    plot.over.addEventListener("dblclick", () => set([]));
+    plot.root.addEventListener("keydown", event => { if (event.key === "Escape") set([]); });
+  };
   // Curves {label, color, dash, width, fill, y} over one x.
   const lines = (container, caption, x, xLabel, yLabel, curves, options = {}) => {
     const box = figure(container, caption, []);
@@ -273,13 +325,18 @@ const figures = (() => {
         fill: c.fill ? () => theme.color(c.fill) : undefined, ...(options.paint ? { paths: options.paint(c) } : {}),
       }))],
       hooks: { drawAxes: options.behind ? [options.behind] : [], setScale: [onScale],
-        draw: [drawMarks(over.marks), ...(options.measured ? [] : [watermark])], setCursor: [showValues] },
+        draw: [drawMarks(over.marks), drawCursors(over), ...(options.measured ? [] : [watermark])], setCursor: [showValues] },
     }, [x, ...curves.map(c => c.y)], box);
     tell = readout(plot);
     zoomed = zoomOut(box, plot, reset);
     over.plots.push(plot);
+    cursorTeller(box, plot, over, x, curves, xLabel, yLabel);
     legend(box, plot, curves);
     describe(box, plot, summary(caption, curves.map(c => ({ ...c, x, y: c.shown || c.y })), xLabel, yLabel));
+    const viewOf = ({ min, max }) => [min, max];
+    save.curves(box, () => ({ caption, xLabel, yLabel, logX: options.logX, logY: options.logY,
+      view: { x: viewOf(plot.scales.x), y: viewOf(plot.scales.y) },
+      curves: curves.map(c => ({ ...c, x, y: c.shown || c.y })).filter((c, i) => c.label && plot.series[i + 1].show) }));
     fit(box, plot, width => Math.round(options.height || Math.min(Math.max(width * 0.62, 220), 280)));
     plot.over.addEventListener("mouseleave", () => tell(0, 0, "", null));
     return plot;

@@ -66,12 +66,12 @@ std::string query_of(const mg_connection* connection, const char* name) {
 }
 
 std::string page() {
-  return web::assemble(
-      {web::kViewHtml,
-       {web::kPageCss, web::kViewCss},
-       {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs, web::kLiveJs,
-        web::kTestJs, web::kSignalsJs, web::kRingJs, web::kRunsJs, web::kViewJs}},
-      "{}");
+  return web::assemble({web::kViewHtml,
+                        {web::kPageCss, web::kViewCss},
+                        {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
+                         web::kChartsJs, web::kSaveJs, web::kLiveJs, web::kTestJs, web::kSignalsJs,
+                         web::kRingJs, web::kRunsJs, web::kViewJs}},
+                       "{}");
 }
 
 int answer(mg_connection* connection, int status, const std::string& type,

@@ -43,7 +43,8 @@ class Verdict:
     """The verdict of a diagnosis. `numbers` holds all of verdict.json, which docs/verdict.md describes."""
 
     kind: str  #: "missing", "none" or "unknown"
-    sentence: str
+    headline: str  #: the verdict in at most 25 words
+    sentence: str  #: in full
     confidence: float  #: 0 to 1
     causes: tuple[Cause, ...]  #: the most important first
     numbers: Mapping[str, Any]
@@ -58,7 +59,7 @@ class Verdict:
             raise Error(f"{folder / 'verdict.json'}: does not exist, expected the folder of a diagnosis")
         fields = [field.name for field in dataclasses.fields(Cause)]
         causes = tuple(Cause(**{name: cause[name] for name in fields}) for cause in numbers["causes"])
-        return cls(numbers["verdict"], numbers["sentence"], numbers["confidence"], causes, numbers, folder)
+        return cls(numbers["verdict"], numbers.get("headline", numbers["sentence"]), numbers["sentence"], numbers["confidence"], causes, numbers, folder)
 
 
 @dataclasses.dataclass(frozen=True)

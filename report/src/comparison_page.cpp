@@ -58,7 +58,8 @@ std::string comparison_page(const ComparedRuns& comparison, std::size_t most,
   return assemble(
       {web::kCompareHtml,
        {web::kPageCss},
-       {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs, web::kCompareJs}},
+       {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs, web::kChartsJs,
+        web::kSaveJs, web::kCompareJs}},
       {{"comparison", Json::parse(json_of(comparison, why))}, {"curves", curves}, {"most", most}});
 }
 

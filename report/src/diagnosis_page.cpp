@@ -69,12 +69,14 @@ Json trace_data(const diagnosis::Trace& trace, std::size_t most) {
           {"excess", curve(trace.excess, most)}};
 }
 
-// The response of the test, of its simulation and of the improved simulation.
+// The response of the test, of its simulation, and with all parts as identified. Times are those of
+// the recording, as everywhere on the pages of a run.
 Json response_data(const diagnosis::Verdict& verdict) {
   return each(verdict.budget.axes, [&](const budget::AxisBudget& axis) {
-    std::vector<double> time;
-    for (std::size_t i = 0; i < axis.measured.size(); ++i)
+    std::vector<double> time = verdict.budget.times;
+    for (std::size_t i = time.size(); i < axis.measured.size(); ++i)
       time.push_back(static_cast<double>(i + 1) * verdict.budget.integration_step);
+    time.resize(axis.measured.size());
     return Json{{"axis", name_of(axis.axis)},
                 {"time", curve(time, kMostTracePoints)},
                 {"measured", curve(axis.measured, kMostTracePoints)},
@@ -106,12 +108,13 @@ std::string verdict_page(const diagnosis::Verdict& given) {
       std::min(kMostTracePoints, kMostPointsOfAll / std::max<std::size_t>(1, shown.size()));
   data["traces"] =
       each(shown, [&](const diagnosis::Trace* trace) { return trace_data(*trace, most); });
-  return assemble({web::kDiagnosisHtml,
-                   {web::kPageCss, web::kVerdictCss, web::kDiagnosisCss},
-                   {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
-                    web::kSentenceJs, web::kChartsJs, web::kCurtainJs, web::kVerdictJs,
-                    web::kBudgetJs, web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
-                  data);
+  return assemble(
+      {web::kDiagnosisHtml,
+       {web::kPageCss, web::kVerdictCss, web::kDiagnosisCss},
+       {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs, web::kSentenceJs,
+        web::kChartsJs, web::kSaveJs, web::kCurtainJs, web::kVerdictJs, web::kBudgetJs,
+        web::kWhereJs, web::kProofJs, web::kDiagnosisJs}},
+      data);
 }
 
 }  // namespace rths::report

@@ -118,11 +118,12 @@ Json page_data(const Analysis& analysis, const Json& numbers) {
 
 // The complete page of a run: style, scripts and data in one self-contained file.
 std::string page_of(const Analysis& analysis, const Json& numbers) {
-  return assemble({web::kReportHtml,
-                   {web::kPageCss, web::kVerdictCss},
-                   {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs,
-                    web::kChartsJs, web::kSentenceJs, web::kStructureJs, web::kReportJs}},
-                  page_data(analysis, numbers));
+  return assemble(
+      {web::kReportHtml,
+       {web::kPageCss, web::kVerdictCss},
+       {web::kThemeJs, web::kPlotsJs, web::kFiguresJs, web::kQuantitiesJs, web::kChartsJs,
+        web::kSaveJs, web::kSentenceJs, web::kStructureJs, web::kReportJs}},
+      page_data(analysis, numbers));
 }
 
 // The verdict of a diagnosis in the folder of the run; null if there is none.

@@ -229,7 +229,12 @@ Json verdict_numbers(const Verdict& verdict) {
   json["case"] = verdict.case_name;
   json["synthetic"] = verdict.synthetic;
   json["verdict"] = name_of(verdict.conclusion.outcome);
+  const auto answers = diagnosis::answers_of(verdict);
+  json["headline"] = answers.headline;
+  json["answers"] = {
+      {"missing", answers.missing}, {"certainty", answers.certainty}, {"next", answers.next}};
   json["sentence"] = verdict.sentence;
+  json["specimen"] = text_or_null(verdict.specimen);
   json["confidence"] = number(verdict.conclusion.confidence);
   json["remainder"] = verdict.conclusion.has_remainder;
   json["where"] = where_json(verdict.conclusion.where);

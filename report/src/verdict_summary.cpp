@@ -110,7 +110,7 @@ std::string intervals_text(const std::vector<std::pair<double, double>>& interva
 
 std::string where_text(const Verdict& verdict) {
   if (verdict.conclusion.where.channel.empty()) return "";
-  return fmt::format("where     {}, {}{}{}\n", name_of(verdict.conclusion.where.part),
+  return fmt::format("where     {}, {}{}{}\n", place_of(verdict.conclusion.where.part, verdict),
                      verdict.conclusion.where.channel,
                      intervals_text(verdict.conclusion.where.intervals,
                                     verdict.conclusion.where.has_time ? "s" : "(rows)"),
@@ -194,8 +194,15 @@ std::string plan_summary(const Plan& plan) {
   return text;
 }
 
+std::string answers_text(const Verdict& verdict) {
+  const auto answers = diagnosis::answers_of(verdict);
+  return fmt::format("{}\n\nmissing   {}\nsure      {}\nnow       {}", answers.headline,
+                     answers.missing, answers.certainty, answers.next);
+}
+
 std::string verdict_summary(const Verdict& verdict) {
-  std::string text = verdict.sentence + "\n\n" + where_text(verdict);
+  std::string text =
+      answers_text(verdict) + "\n\n" + verdict.sentence + "\n\n" + where_text(verdict);
   for (const auto& cause : verdict.conclusion.causes) text += cause_text(cause);
   text += refitted_text(verdict);
   text += description_text(verdict);

@@ -55,18 +55,17 @@ const curtain = (() => {
     ctx.fillRect(bbox.left, top, bbox.width, bottom - top);
   };
 
-  const quantityAxis = { values: (u, splits) => splits.map(value => quantities.tick(value, splits)) };
   const paint = curve => (u, i) => (u.mode === 2 ? cutCurve(u, ...u.data[i], curve) : cutCurve(u, u.data[0], u.data[i], curve));
 
   // Curves are {label, color, width, side, y}; loops have an x that goes back and forth.
   const loops = (container, caption, xLabel, yLabel, x, time, curves, parted) => {
     const plot = figures.loops(container, caption, xLabel, yLabel, curves.map(c => ({ ...c, x, time })),
-      { axis: quantityAxis, paint, below: true, height: kHeight });
+      { paint, below: true, height: kHeight });
     if (parted) addHandle(plot);
   };
   const histories = (container, caption, yLabel, time, curves, parted, options = {}) => {
     const plot = figures.lines(container, caption, time, options.timeLabel || "time [s]", yLabel, curves,
-      { axis: quantityAxis, paint, group, height: kHeight, behind: options.noise ? noiseBand(options.noise) : undefined, ...options });
+      { paint, group, height: kHeight, behind: options.noise ? noiseBand(options.noise) : undefined, ...options });
     if (options.noise)
       plot.root.parentNode.querySelector(".key").append(el("span", {}, plots.swatch({ color: "noise-line", fill: "noise" }), "noise alone, ±2σ"));
     if (parted) addHandle(plot);
@@ -75,7 +74,7 @@ const curtain = (() => {
   // Called before other figures replace these.
   const clear = () => {
     followers.clear();
-    group.plots.length = 0;
+    for (const list of [group.plots, group.cursors, group.tellers]) list.length = 0;
   };
 
   // The slider with the errors of both sides.
@@ -97,5 +96,5 @@ const curtain = (() => {
     };
   };
 
-  return { quantityAxis, loops, histories, slider, clear };
+  return { loops, histories, slider, clear };
 })();

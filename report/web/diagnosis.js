@@ -3,7 +3,7 @@
 (() => {
   const { el, byId } = plots;
   const { number, share, percent, estimate, axis, largest, scaled } = quantities;
-  const { v, isMissing, named, tied, PART, hide, traceOf, tableOf } = verdict;
+  const { v, isMissing, named, tied, placeOf, hide, traceOf, tableOf } = verdict;
 
   // --- header ------------------------------------------------------------------------------------
   const header = () => {
@@ -11,16 +11,23 @@
     byId("eyebrow").append(` · ${v.case}`);
     byId("eyebrow").prepend(sentence.chip(v));
     if (v.synthetic) byId("eyebrow").append(el("span", { className: "badge", textContent: "synthetic recordings" }));
-    sentence.write(v, byId("sentence"), byId("rest"));
-    const card = (...parts) => sentence.card(byId("cards"), ...parts);
-    const score = verdict.proof || Object.values(v.fit)[0];
-    sentence.proofCards(v, byId("cards"));
-    if (v.descriptions.length)
-      card("best form", v.descriptions[0].form, `${share(v.descriptions[0].share)} of the systematic residual`);
-    if (v.verdict !== "none" && v.where.channel) card("where", PART[v.where.part], v.where.channel);
-    card("confidence", number(v.confidence, 2), isMissing ? "in the name" : "in the verdict");
-    card("residual", v.residual_white ? "noise" : v.remainder ? "systematic" : "not white",
-      score ? `variance: ${number(score.variance_after, 3)} × noise` : "");
+    sentence.write(v, "verdict");
+  };
+
+  // Each section is folded below its heading. Paper shows all of it.
+  const fold = () => {
+    const folds = [];
+    for (const section of document.querySelectorAll("main > section")) {
+      const [heading, ...content] = section.children;
+      folds.push(el("details", { className: "fold" }, el("summary", {}, heading), ...content));
+      section.append(folds[folds.length - 1]);
+    }
+    let closed = [];
+    addEventListener("beforeprint", () => {
+      closed = folds.filter(one => !one.open);
+      for (const one of closed) one.open = true;
+    }, true);
+    addEventListener("afterprint", () => { for (const one of closed) one.open = false; }, true);
   };
 
   // --- form, causes, model -----------------------------------------------------------------------
@@ -92,7 +99,7 @@
     for (const c of v.causes) {
       const card = el("div", { className: "cause" }, el("h3", { textContent: c.title || c.name }),
         el("p", { className: "facts" }, el("code", { textContent: c.name }),
-          ` · ${PART[c.part]}, ${c.channel} · confidence ${number(c.confidence, 2)}`,
+          ` · ${placeOf(c.part)}, ${c.channel}`,
           c.explained_fraction == null ? "" : ` · explains ${share(c.explained_fraction)}`));
       if (c.equation) card.append(el("div", { className: "equation", textContent: c.equation }));
       const rows = Object.entries(c.parameters).map(([name, p]) => parameterRow(name.replace(/^.*\./, "").replaceAll("_", " "), p));
@@ -131,6 +138,6 @@
       el("code", { textContent: "verdict.json" }), ", every curve in ", el("code", { textContent: "predictions/" }), v.seconds != null ? `. The diagnosis took ${number(v.seconds, 2)} s.` : ".");
   };
 
-  for (const draw of [header, budget.draw, where.draw, form, causes, model, bands, proof.draw, proof.rivals, limits]) draw();
+  for (const draw of [header, fold, budget.draw, where.draw, form, causes, model, bands, proof.draw, proof.rivals, limits]) draw();
   plots.done();
 })();

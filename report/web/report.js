@@ -26,13 +26,7 @@
     byId("found").hidden = false;
     byId("found-chip").append(sentence.chip(v), "Diagnosis of the simulation");
     if (v.synthetic) byId("found-chip").append(el("span", { className: "badge", textContent: "synthetic recordings" }));
-    sentence.write(v, byId("found-sentence"), byId("found-rest"));
-    sentence.proofCards(v, byId("found-cards"));
-    const differences = key => axes.map(([, a]) => fixed(a[key], 1)).join(" / ");
-    if (data.improved.length)
-      sentence.card(byId("found-cards"), "response against test",
-        `${differences("numerical_difference_percent")} → ${differences("improved_difference_percent")}\u2009%`,
-        `of its displacement, rms, ${axes.map(([name]) => AXIS_NAME[name]).join(" / ")}`);
+    sentence.write(v, "found");
     const file = (name, text) => [el("a", { href: name, textContent: text }), " · "];
     byId("found-files").append(...file("diagnosis.html", "details and proof"),
       ...(v.improved_model ? file("improved.toml", "the improved model") : []),
@@ -159,6 +153,43 @@
       beside([x.u, y.u], m => [m.long.u, m.lat.u]), { equal: true });
     loops("response", "Shear-force interaction", "longitudinal [kN]", "lateral [kN]",
       beside([x.f, y.f], m => [m.long.f, m.lat.f]), { equal: true });
+  };
+
+  // The response over time and, below, the differences from the test: the curves lie on each other.
+  // Step i of the test reaches time (i + 1) Δt of a model; both are drawn at the time of the recording.
+  const overTime = () => {
+    const start = Array.from(unpack(data.steps.start_s)), group = { ...figures.group("response"), marks: figures.time.marks };
+    for (const a of data.axes) {
+      const u = Array.from(unpack(a.step_displacement_mm)).slice(0, start.length);
+      const at = (m, t) => {
+        const y = m.y, place = (t - m.start) / m.interval, i = Math.floor(place + 1e-6);
+        return i < 0 || i + 1 >= y.length ? null : y[i] + (place - i) * (y[i + 1] - y[i]);
+      };
+      const models = MODELS.flatMap(label => {
+        const m = data[label].find(one => one.name === a.name);
+        if (!m) return [];
+        const series = { ...m.displacement_mm, y: unpack(m.displacement_mm.values) };
+        return [{ ...styled(label, labelOf(label)), width: 1.3, y: start.map((_, i) => at(series, (i + 1) * n.integration_step_s)) }];
+      });
+      if (!models.length) return;
+      lines("over-time", `Response, ${AXIS_NAME[a.name]}`, start, "time [s]", "displacement [mm]",
+        [...models, { ...styled("hybrid"), width: 1.3, y: u }], { group, height: 220 });
+      lines("over-time", `Difference from the test, ${AXIS_NAME[a.name]}`, start, "time [s]", "difference [mm]",
+        models.map(m => ({ ...m, y: m.y.map((y, i) => (y == null ? null : y - u[i])) })), { group, height: 180 });
+    }
+  };
+
+  // Largest magnitudes of all runs shown.
+  const peaks = () => {
+    if (!axes.length) return;
+    const rows = [["hybrid", "peak_displacement_mm", "peak_shear_kN", null]];
+    for (const m of MODELS.filter(label => data[label].length))
+      rows.push([labelOf(m), `${m}_peak_displacement_mm`, `${m}_peak_shear_kN`, `${m}_difference_percent`]);
+    table("peaks", ["largest magnitude", ...axes.flatMap(([name]) => [`${AXIS_NAME[name]}: displacement [mm]`, "shear [kN]", "difference, rms [%]"])],
+      rows.map(([label, ...keys]) => [label, ...axes.flatMap(([name, a]) => {
+        const all = { ...a, ...(n.beside && n.beside.axes[name]) };
+        return keys.map((key, i) => (key ? fixed(all[key], i === 1 ? 0 : 1) : "–"));
+      })]));
   };
 
   const tracking = () => {
@@ -323,6 +354,6 @@
       el("code", { textContent: n.command }), ".");
   };
 
-  for (const draw of [found, changes, header, response, safety, tracking, bands, vertical, ats, steps, largeStructure, floors, host, numbers, scope, leftOut]) draw();
+  for (const draw of [found, changes, header, response, overTime, peaks, safety, tracking, bands, vertical, ats, steps, largeStructure, floors, host, numbers, scope, leftOut]) draw();
   plots.done();
 })();

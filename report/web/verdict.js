@@ -8,10 +8,12 @@ const verdict = (() => {
   const proof = v.fit[v.proof_record];
   const named = new Set(v.causes.map(c => c.name));
   const tied = new Set(v.causes.flatMap(c => c.alternatives.map(a => a.name)));
-  const PART = {
-    numerical: "numerical part", actuator: "actuator", machine: "test machine", bearing: "bearing",
-    structure: "structure", sensor: "sensor",
-  };
+  const PARTS = ["numerical", "actuator", "machine", "bearing", "structure", "sensor"];
+  // In a word: of what was tested, where the records do not tell it from its machine.
+  const isObject = part => ["machine", "bearing", "structure"].includes(part);
+  const isFree = ["system", "structure"].includes(v.specimen);
+  const placeOf = part => (v.specimen && isObject(part) ? v.specimen : isFree && part === "actuator" ? "input" : part === "numerical" ? "numerical part" : part);
+  const guilty = new Set(v.causes.length ? v.causes.map(c => placeOf(c.part)) : [placeOf(v.where.part)]);
   const hide = (...ids) => { for (const id of ids) byId(id).hidden = true; };
   // Without a refit or a named term, the predictions before and after are the same.
   const unpacked = t => {
@@ -35,5 +37,5 @@ const verdict = (() => {
       el("tbody", {}, ...rows.map(row => el("tr", {}, ...cells("td", row)))));
   };
 
-  return { v, isMissing, proof, named, tied, PART, hide, traces, traceOf, tableOf };
+  return { v, isMissing, proof, named, tied, PARTS, placeOf, guilty, hide, traces, traceOf, tableOf };
 })();

@@ -3,7 +3,7 @@
 const where = (() => {
   const { el, byId } = plots;
   const { axis, largest, scaled } = quantities;
-  const { v, PART, hide, traceOf } = verdict;
+  const { v, PARTS, placeOf, guilty, hide, traceOf } = verdict;
 
   // Measured loops, coloured by the energy beyond the noise; the largest on top.
   const heatedLoops = trace => {
@@ -32,17 +32,16 @@ const where = (() => {
     const plot = figures.loops("where-state", "Position on the loops", x.label, `${trace.channel} [${y.unit}]`, [
       { label: "measured", color: "measured", x: xs, y: inUnit(trace.measured), time: trace.time, isHeated: true },
       { label: "predicted", color: "predicted", x: xs, y: inUnit(trace.before), time: trace.time, width: 0.9 },
-    ], { axis: curtain.quantityAxis, below: true, height: 390, paint: curve => curve.isHeated && paint });
+    ], { below: true, height: 390, paint: curve => curve.isHeated && paint });
     plot.root.parentNode.querySelector(".key").append(charts.rampKey("noise", "far beyond it"));
   };
 
+  // The parts from the command to the sensors; those of the named terms stand out.
   const chain = () => {
-    for (const [part, title] of Object.entries(PART)) {
-      const node = el("div", { textContent: title[0].toUpperCase() + title.slice(1) });
-      if (part === v.where.part) {
-        node.className = "guilty";
-        node.append(el("small", { textContent: v.where.channel }));
-      }
+    for (const place of new Set(PARTS.filter(part => !v.specimen || part !== "numerical").map(placeOf))) {
+      const node = el("div", { textContent: place[0].toUpperCase() + place.slice(1) });
+      if (guilty.has(place)) node.className = "guilty";
+      if (place === placeOf(v.where.part)) node.append(el("small", { textContent: v.where.channel }));
       byId("chain").append(node);
     }
   };

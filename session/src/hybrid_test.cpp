@@ -283,6 +283,7 @@ budget::MismatchBudget budget_of_run(const Experiment& experiment, const Experim
   auto found = budget::mismatch_budget(std::move(test), response_of(experiment, run), records,
                                        fed_force_of(experiment, run));
   const Roles& roles = experiment.roles;
+  found.times = at_each_count(run.signal(roles.monitor_of_controller() + "pc.targets"), run.time());
   const NodeTicks ticks{run, roles.controller};
   for (auto& axis : found.axes) {
     const AxisRoles* words = axis_of(roles, name_of(axis.axis));

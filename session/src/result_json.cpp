@@ -45,7 +45,7 @@ std::string json_of(const RunResult& result) {
 }
 
 std::string json_of(const DiagnosisResult& result) {
-  return text_of({{"verdict", result.verdict.sentence},
+  return text_of({{"verdict", diagnosis::answers_of(result.verdict).headline},
                   {"page", result.files.page.string()},
                   {"numbers", result.files.numbers.string()}});
 }

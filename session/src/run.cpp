@@ -104,8 +104,8 @@ class RunConclusion {
       const auto verdict = verdict_of_run();
       result_.diagnosis = report::write_diagnosis(verdict, result_.folder);
       if (result_.diagnosis->fragment) run_improved(*result_.diagnosis->fragment);
-      result_.verdict =
-          (result_.broken.empty() ? "" : "of a test that is not conclusive: ") + verdict.sentence;
+      result_.verdict = (result_.broken.empty() ? "" : "of a test that is not conclusive: ") +
+                        report::answers_text(verdict);
     } catch (const Error& error) {
       result_.diagnosis.reset();
       result_.no_diagnosis = error.what();

@@ -174,7 +174,7 @@ Difference why(const report::ComparedRuns& comparison, std::uint64_t seed,
     difference.verdict =
         diagnosis::diagnose(case_of_signals(comparison), {{}, seed, progress.fits});
     difference.model = "the baseline as the simulation of the other";
-    difference.sentence = difference.verdict->sentence;
+    difference.sentence = diagnosis::answers_of(*difference.verdict).headline;
     return difference;
   }
   const KnownModel baseline = model_of(comparison.baseline);
@@ -190,7 +190,7 @@ Difference why(const report::ComparedRuns& comparison, std::uint64_t seed,
       difference.verdict = std::move(reversed);
     }
   }
-  difference.sentence = difference.verdict->sentence;
+  difference.sentence = diagnosis::answers_of(*difference.verdict).headline;
   if (difference.verdict->conclusion.outcome != diagnosis::Outcome::None) return difference;
   difference.mistakes = changes_of_motion(comparison.baseline, comparison.other);
   if (!difference.mistakes.empty())

@@ -10,6 +10,7 @@
 
 #include "support/files.hpp"
 #include "support/process.hpp"
+#include "support/readable.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -34,6 +35,9 @@ TEST_P(ExampleCase, NamesItsMissingEffect) {
   const std::string& name = verdict.conclusion.causes[0].name;
   EXPECT_NE(std::find(causes.begin(), causes.end(), name), causes.end()) << verdict.sentence;
   EXPECT_LT(verdict.evaluation.fit.back().nrmse_after, most_after) << verdict.sentence;
+  const Answers answers = answers_of(verdict);
+  EXPECT_EQ(test::unreadable(answers.headline, {answers.missing, answers.certainty, answers.next}),
+            "");
 }
 
 // Errors: 1.2 times the noise of synthetic records, about 1.2 times the measured value of others.

@@ -13,6 +13,7 @@
 #include <rths/verdict/diagnose.hpp>
 
 #include "support/files.hpp"
+#include "support/readable.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -34,7 +35,10 @@ class RealData : public testing::Test {
     options.without = without;
     const Verdict verdict = diagnose(case_, options);
     record(verdict, without);
-    std::printf("  %s\n  %.1f s\n", verdict.sentence.c_str(), verdict.seconds);
+    const Answers answers = answers_of(verdict);
+    EXPECT_EQ(
+        test::unreadable(answers.headline, {answers.missing, answers.certainty, answers.next}), "");
+    std::printf("  %s\n  %.1f s\n", answers.headline.c_str(), verdict.seconds);
     return verdict;
   }
   // Over all held-out records, weighted with the energy of their measured signals.

@@ -235,6 +235,8 @@ Verdict missing_verdict() {
   v.evaluation.fit = {{"northridge.csv", "fit", 0.089, 0.0061, 0.112, 0.0060, 31.0, 1.02},
                       {"kobe.csv", "fit", 0.093, 0.0062, 0.118, 0.0061, 33.2, 1.01},
                       {"petrolia.csv", "held_out", 0.091, 0.0063, 0.121, 0.0061, 32.4, 1.03}};
+  v.evaluation.proof = {0.091, 0.0063, 0.0061, 0.97};
+  v.evaluation.proof.has_noise_at_rest = true;
   v.ablation = {{"load_dep_friction instead of coulomb_friction", 0.0081},
                 {"quadratic_drag instead of coulomb_friction", 0.071},
                 {"without coulomb_friction", 0.091}};
@@ -265,6 +267,7 @@ Verdict none_verdict() {
       "%; confidence 0.97).";
   v.evaluation.traces = {trace("petrolia.csv", 1.1, base_law, base_law, base_law)};
   v.evaluation.fit = {{"petrolia.csv", "held_out", 0.0061, 0.0061, 0.0061, 0.0060, 1.01, 1.01}};
+  v.evaluation.proof = {0.0061, 0.0061, 0.0060, 0};
   v.evaluation.residual.is_white = true;
   v.evidence = {{"quadratic_drag", "Quadratic drag", 0.003, -0.004, 0.01},
                 {"coulomb_friction", "Coulomb friction", 0.001, -0.006, 0.008}};
@@ -289,6 +292,7 @@ Verdict unknown_verdict() {
   v.conclusion.where = where_of(v.evaluation.traces[0], motion(0));
   v.evaluation.fit = {{"northridge.csv", "fit", 0.066, 0.066, 0.069, 0.006, 17.2, 17.2},
                       {"petrolia.csv", "held_out", 0.068, 0.068, 0.07, 0.006, 18.1, 18.1}};
+  v.evaluation.proof = {0.068, 0.068, 0.006, 0, true};
   Description curve{"f(u)", 0.93, "displacement [m]", {}, {}, {}};
   for (double u = -0.16; u <= 0.161; u += 0.004) {
     curve.x.push_back(u);

@@ -45,11 +45,14 @@ TEST_F(Page, DrawsEveryFigureInChromiumWithoutAnError) {
   const test::TemporaryFolder profile;
   const std::string page = test_support::rendered(file(), profile.path());
 
-  // Two loops, orbit, interaction; two displacements, delay, error; three coefficients; states;
+  // Two loops, orbit, interaction; response and difference of two axes; two displacements, delay,
+  // error; three coefficients; states;
   // three spectra. Only runs in real time have a figure of late steps.
-  EXPECT_EQ(test_support::body_of(page), "<body data-figures=\"15\">");
+  EXPECT_EQ(test_support::body_of(page), "<body data-figures=\"19\">");
   EXPECT_NE(page.find("<h1 id=\"title\">srmd lprb 2d</h1>"), std::string::npos);
   EXPECT_NE(page.find("no slow-downs"), std::string::npos);
+  EXPECT_NE(page.find("Difference from the test, longitudinal"), std::string::npos);
+  EXPECT_NE(page.find("save this figure as SVG"), std::string::npos);
 }
 
 // Replaces a text of the page, which must be there.

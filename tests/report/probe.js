@@ -137,6 +137,7 @@
   if (window !== top) return;
   const pre = document.createElement("pre");
   try {
+    for (const fold of document.querySelectorAll("details")) fold.open = true;
     await pause();
     const labels = [...document.querySelectorAll("figure")].map(f => f.getAttribute("aria-label") || "");
     say("summaries", labels.length > 0 && labels.every(label => label.endsWith(".")));

@@ -79,7 +79,7 @@ TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfTheCause) {
 
   // Time, loops, states, two profiles; loops, history, residual, correlation.
   EXPECT_EQ(body_of(page), "<body data-figures=\"9\">");
-  EXPECT_TRUE(holds(page, "<div class=\"guilty\">Test machine<small>force.long</small></div>"));
+  EXPECT_TRUE(holds(page, "<div class=\"guilty\">Machine<small>force.long</small></div>"));
   EXPECT_TRUE(holds(page, "F = Fc · tanh(v / vs)"));
   EXPECT_TRUE(holds(page, ">41.20</td><td class=\"\">40.50 to 41.90</td><td class=\"text\">kN"));
   EXPECT_TRUE(holds(page, "friction_force_N = 41_200"));
@@ -90,20 +90,25 @@ TEST_F(RenderedVerdict, ShowsPlaceNameModelAndProofOfTheCause) {
   EXPECT_TRUE(is_hidden(page, "form"));
 }
 
-// Causes of two relations have shares of different energies.
-TEST_F(RenderedVerdict, ShowsTheShareOfTheProofOnce) {
+TEST_F(RenderedVerdict, BeginsWithTheHeadlineAndThreeAnswers) {
+  const std::string page = rendered(missing_verdict());
+  const auto answers = answers_of(missing_verdict());
+
+  EXPECT_TRUE(holds(page, "class=\"sentence\">" + answers.headline + "</h1>"));
+  for (const auto& answer : {answers.missing, answers.certainty, answers.next})
+    EXPECT_TRUE(holds(page, "<p>" + answer + "</p>")) << answer;
+  EXPECT_FALSE(holds(page, "<details open=\"\""));
+}
+
+TEST_F(RenderedVerdict, CallsATestedDeviceByItsKind) {
   diagnosis::Verdict verdict = missing_verdict();
-  verdict.evaluation.proof.explained = 0.91;
-  verdict.conclusion.causes.push_back(verdict.conclusion.causes[0]);
-  verdict.conclusion.causes[1].explained = std::nan("");
+  verdict.specimen = "device";
 
   const std::string page = rendered(verdict);
 
-  EXPECT_TRUE(holds(page, ">explained</div><div class=\"value\">91\u2009%<"));
-  EXPECT_TRUE(holds(page, "confidence 0.98 · explains 97\u2009%"));
-  EXPECT_TRUE(holds(page, "confidence 0.98</p>"));
-  verdict.conclusion.causes.erase(verdict.conclusion.causes.begin());
-  EXPECT_FALSE(holds(rendered(verdict), ">explained</div>"));
+  EXPECT_TRUE(holds(page, "<div class=\"guilty\">Device<small>force.long</small></div>"));
+  EXPECT_FALSE(holds(page, ">Machine<"));
+  EXPECT_FALSE(holds(page, ">Bearing<"));
 }
 
 TEST_F(RenderedVerdict, ShowsNoPlaceAndNoModelWhereNothingIsMissing) {

@@ -145,9 +145,24 @@ TEST(VerdictJson, KeepsEightDigitsOfNumbersOfAnySize) {
   EXPECT_NE(verdict_json(verdict).find("\"seconds\": 0.3\n"), std::string::npos);
 }
 
-TEST(VerdictSummary, BeginsWithTheSentence) {
-  for (const auto& verdict : {missing_verdict(), none_verdict(), unknown_verdict()})
-    EXPECT_EQ(verdict_summary(verdict).rfind(verdict.sentence + "\n", 0), 0U);
+TEST(VerdictSummary, BeginsWithTheHeadline) {
+  for (const auto& verdict : {missing_verdict(), none_verdict(), unknown_verdict()}) {
+    const std::string text = verdict_summary(verdict);
+
+    EXPECT_EQ(text.rfind(answers_of(verdict).headline + "\n", 0), 0U);
+    EXPECT_NE(text.find("\n" + verdict.sentence + "\n"), std::string::npos);
+  }
+}
+
+TEST(VerdictJson, HoldsTheHeadlineAndThreeAnswers) {
+  const auto verdict = parsed(missing_verdict());
+  const auto expected = answers_of(missing_verdict());
+
+  EXPECT_EQ(verdict["headline"], expected.headline);
+  EXPECT_EQ(verdict["answers"]["missing"], expected.missing);
+  EXPECT_EQ(verdict["answers"]["certainty"], expected.certainty);
+  EXPECT_EQ(verdict["answers"]["next"], expected.next);
+  EXPECT_TRUE(verdict["specimen"].is_null());
 }
 
 TEST(VerdictSummary, ListsErrorsWithTheNoiseFloor) {

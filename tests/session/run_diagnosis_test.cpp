@@ -19,6 +19,7 @@
 #include "support/json.hpp"
 #include "support/long_run.hpp"
 #include "support/process.hpp"
+#include "support/readable.hpp"
 #include "support/shared_run.hpp"
 
 namespace rths::launch {
@@ -177,14 +178,20 @@ TEST_F(DiagnosedRun, ProvesItOnTheSecondEarthquake) {
   EXPECT_LT(proof["nrmse_after"], 2 * proof["noise_floor"].get<double>());
 }
 
-TEST_F(DiagnosedRun, OpensItsReportWithTheSentence) {
+TEST_F(DiagnosedRun, OpensItsReportWithTheHeadline) {
   const Json numbers = json_of(out() / "report.json");
   const std::string page = test::content_of(out() / "report.html");
 
   EXPECT_EQ(numbers["diagnosis"], verdict);
-  EXPECT_NE(run.standard_output().find(verdict["sentence"].get<std::string>()), std::string::npos);
+  const std::string headline = verdict["headline"];
+  const Json& answers = verdict["answers"];
+  EXPECT_EQ(test::unreadable(headline, {answers["missing"].get<std::string>(),
+                                        answers["certainty"].get<std::string>(),
+                                        answers["next"].get<std::string>()}),
+            "");
+  EXPECT_NE(run.standard_output().find("\n" + headline + "\n"), std::string::npos);
   EXPECT_LT(page.find("id=\"found-sentence\""), page.find("id=\"title\""));
-  EXPECT_NE(page.find(verdict["sentence"].get<std::string>()), std::string::npos);
+  EXPECT_NE(page.find(headline), std::string::npos);
   EXPECT_TRUE(verdict["synthetic"]);
   EXPECT_TRUE(std::filesystem::exists(out() / "diagnosis.html"));
 }

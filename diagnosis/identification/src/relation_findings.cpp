@@ -60,7 +60,10 @@ void prove(RelationFindings& found, DiagnosisProgress& progress) {
 void withdraw_resemblances(RelationFindings& found, DiagnosisProgress& progress) {
   if (!found.is_named() || !found.is_unknown()) return;
   if (found.selection.explained() + found.proof.explained() >= 2 * kMostly) return;
-  withdraw_named(found, "most of the residual remains unknown", progress);
+  auto all = withdraw_all(*found.problem, found.folds, "most of the residual remains unknown",
+                          found.selection);
+  std::move(all.begin(), all.end(), std::back_inserter(found.withdrawn));
+  prove(found, progress);
 }
 
 }  // namespace
@@ -119,13 +122,6 @@ std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
   withdraw_resemblances(*found, progress);
   renew_ties(*found);
   return found;
-}
-
-void withdraw_named(RelationFindings& found, const std::string& reason,
-                    DiagnosisProgress& progress) {
-  auto all = withdraw_all(*found.problem, found.folds, reason, found.selection);
-  std::move(all.begin(), all.end(), std::back_inserter(found.withdrawn));
-  prove(found, progress);
 }
 
 }  // namespace rths::diagnosis

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
 
 namespace rths::diagnosis {
 namespace {
@@ -21,6 +24,16 @@ constexpr double kUnknown = 0.201;
 constexpr double kBeside = 2.449;
 constexpr double kNotHeldOut = 1;
 constexpr double kNoiseUnknown = 0.681;
+
+// Names of the trial and of the development cases together, by confidence: docs/verdict.md.
+struct Reliability {
+  double from;
+  int right, names;
+};
+constexpr Reliability kReliability[] = {{0.95, 166 + 99, 171 + 100},
+                                        {0.8, 146 + 86, 156 + 97},
+                                        {0.5, 21 + 5, 36 + 17},
+                                        {0, 7 + 11, 68 + 93}};
 
 }  // namespace
 
@@ -48,6 +61,20 @@ double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known) 
   }
   if (conclusion.outcome == Outcome::Unknown) return kUnknownOutcome;
   return is_noise_known ? kNone : kNoneInUnknownNoise;
+}
+
+double supported_share(double confidence) {
+  const auto* const row =
+      std::find_if(std::begin(kReliability), std::prev(std::end(kReliability)),
+                   [&](const Reliability& one) { return confidence >= one.from; });
+  return static_cast<double>(row->right) / row->names;
+}
+
+std::string frequency_of(double share) {
+  constexpr double kNearlyAlways = 0.95;
+  constexpr double kOfTen = 10;
+  return share >= kNearlyAlways ? "19 of 20"
+                                : fmt::format("{:.0f} of 10", std::floor(kOfTen * share));
 }
 
 }  // namespace rths::diagnosis

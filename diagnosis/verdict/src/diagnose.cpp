@@ -269,22 +269,6 @@ std::vector<std::string> inseparable_of(const TestProposal& next, std::vector<Ca
   return limits;
 }
 
-// A name that is wrong much more often than right, together with its alternatives, is none.
-void withdraw_improbable(RelationFindings& found, DiagnosisProgress& progress) {
-  constexpr double kLeastConfidence = 0.2;
-  if (!found.is_named()) return;
-  double most = 0;
-  for (const auto& cause : causes_of(found, covariance_of(found)))
-    most = std::max(most, cause.confidence * static_cast<double>(1 + cause.alternatives.size()));
-  if (most < kLeastConfidence)
-    withdraw_named(
-        found,
-        fmt::format("a name like this one, or one of its alternatives, is right in {:.0f} "
-                    "% of cases",
-                    100 * most),
-        progress);
-}
-
 // Examines the relations of a case. What the accelerometer's shows corrects the case for the
 // others.
 AllFindings findings_of(Case& c, const SensorNoise& noise, const DiagnosisOptions& options,
@@ -295,7 +279,6 @@ AllFindings findings_of(Case& c, const SensorNoise& noise, const DiagnosisOption
     if (!relation) continue;
     check_outputs(*relation, moving_records(c));
     all.push_back(examine(std::move(relation), c.records, noise, options.seed, progress));
-    withdraw_improbable(*all.back(), progress);
     if (relation_of == accelerometer_relation)
       correct_accelerometers(all.back()->selection.named, c);
   }
@@ -325,10 +308,13 @@ Conclusion conclude(const AllFindings& all, const Ranking& ranking, std::vector<
   conclusion.causes = std::move(causes);
   conclusion.has_remainder = conclusion.outcome == Outcome::Missing &&
                              (ranking.unknown != nullptr || shown.has_remainder());
-  for (const auto& found : all)
+  for (const auto& found : all) {
     if (found->is_unknown()) conclusion.unexplained.push_back(output_of(*found));
+    for (const auto& [candidate, reason] : found->withdrawn)
+      conclusion.withdrawn.push_back(candidate.title);
+  }
   conclusion.where = std::move(where);
-  if (shown.is_named()) conclusion.where.part = shown.selection.rounds[0].chosen.candidate.part;
+  if (!conclusion.causes.empty()) conclusion.where.part = conclusion.causes[0].part;
   if (!lattices.empty()) name_lattices(lattices, conclusion);
   conclusion.confidence = confidence_in_outcome(
       conclusion, std::all_of(all.begin(), all.end(),
@@ -437,6 +423,7 @@ Verdict diagnose(const Case& given, const DiagnosisOptions& options) {
   DiagnosisProgress progress{options.progress};
   Verdict verdict = verdict_on(given, options, progress);
   verdict.case_name = given.name;
+  verdict.specimen = specimen_of(given);
   verdict.sentence = sentence_of(verdict);
   verdict.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return verdict;

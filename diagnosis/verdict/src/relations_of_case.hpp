@@ -22,4 +22,7 @@ using RelationOf = std::unique_ptr<Relation> (*)(const Case&, const std::vector<
 /// @throws Error: the channels of the case belong to no relation   @setup
 [[noreturn]] void throw_without_relation(const Case& c);
 
+/// What was tested, in a word, where the records do not tell it from its machine; else empty.
+[[nodiscard]] std::string specimen_of(const Case& given);
+
 }  // namespace rths::diagnosis

@@ -50,6 +50,17 @@ using ReducedModels = std::vector<std::pair<std::string, Hypothesis>>;
 /// Output of a relation without its axis: "displacement", "force".
 [[nodiscard]] std::string output_of(const RelationFindings& found);
 
+/// What a free-running model stands for, in a word: its inputs move it, no actuator.
+inline constexpr const char* kSystem = "system";
+inline constexpr const char* kStructure = "structure";
+
+/// The text with a capital letter at its start.
+[[nodiscard]] std::string capitalised(std::string text);
+
+/// The first two parameters of a cause, which are its sizes, without those that may be absent
+/// beside others.
+[[nodiscard]] std::vector<Estimate> told_sizes(const Cause& cause);
+
 /// The verdict in one sentence.
 [[nodiscard]] std::string sentence_of(const Verdict& verdict);
 

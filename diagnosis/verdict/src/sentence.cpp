@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <functional>
 #include <iterator>
 
 #include <fmt/format.h>
@@ -8,35 +7,22 @@
 #include <rths/core/text.hpp>
 #include <rths/verdict/verdict.hpp>
 
+#include "quantity.hpp"
 #include "report.hpp"
 
 namespace rths::diagnosis {
 namespace {
 
-std::string number(double value) { return fmt::format("{:.3g}", value); }
 std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
 
-bool may_be_absent(const Estimate& estimate) {
-  return estimate.absent && estimate.low <= *estimate.absent && *estimate.absent <= estimate.high;
-}
-
-// ", platen mass 5.1e3 ± 20 kg": the first two parameters of a cause, which are its sizes, without
-// those that may be absent beside others.
+// ", platen mass 5100 ± 20 kg"
 std::string sizes_of(const Cause& cause) {
-  std::vector<Estimate> told;
-  std::copy_if(cause.parameters.begin(), cause.parameters.end(), std::back_inserter(told),
-               std::not_fn(may_be_absent));
-  if (told.empty()) told = cause.parameters;
   std::string text;
-  for (std::size_t i = 0; i < told.size() && i < 2; ++i) {
-    const Estimate& estimate = told[i];
-    const auto dot = estimate.name.find('.');
-    std::string name = estimate.name.substr(dot + 1);
+  for (const auto& estimate : told_sizes(cause)) {
+    std::string name = estimate.name.substr(estimate.name.find('.') + 1);
     for (char& c : name)
       if (c == '_' || c == '.') c = ' ';
-    const std::string unit = estimate.unit == "-" ? "" : " " + estimate.unit;
-    text += fmt::format(", {} {} ± {}{}", name, number(estimate.value),
-                        number((estimate.high - estimate.low) / 2), unit);
+    text += fmt::format(", {} {}", name, with_interval(estimate));
   }
   return text;
 }
@@ -111,11 +97,6 @@ std::string list_of(const std::vector<Cause>& causes) {
     text += fmt::format("{}{}{} ({}{})", text.empty() ? "" : " and ",
                         cause.is_rule ? "a different hysteresis rule: " : "", cause.title,
                         name_of(cause.part), sizes_of(cause));
-  return text;
-}
-
-std::string capitalised(std::string text) {
-  if (!text.empty()) text[0] = upper(text[0]);
   return text;
 }
 
@@ -217,6 +198,23 @@ std::string doubt_of(const Verdict& verdict) {
 }
 
 }  // namespace
+
+std::string capitalised(std::string text) {
+  if (!text.empty()) text[0] = upper(text[0]);
+  return text;
+}
+
+std::vector<Estimate> told_sizes(const Cause& cause) {
+  constexpr std::size_t kMost = 2;
+  std::vector<Estimate> told;
+  std::copy_if(cause.parameters.begin(), cause.parameters.end(), std::back_inserter(told),
+               [](const Estimate& one) {
+                 return !one.absent || *one.absent < one.low || *one.absent > one.high;
+               });
+  if (told.empty()) told = cause.parameters;
+  if (told.size() > kMost) told.resize(kMost);
+  return told;
+}
 
 std::string name_of(Outcome outcome) {
   switch (outcome) {

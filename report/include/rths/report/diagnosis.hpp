@@ -46,7 +46,9 @@ struct DiagnosisFiles {
 
 /// Every number of a verdict as JSON; format in docs/verdict.md.
 [[nodiscard]] std::string verdict_json(const diagnosis::Verdict& verdict);
-/// A verdict for a terminal: the sentence, then a short table.
+/// The headline of a verdict, then its three answers, a line each.
+[[nodiscard]] std::string answers_text(const diagnosis::Verdict& verdict);
+/// A verdict for a terminal: headline, answers, the sentence, then a short table.
 [[nodiscard]] std::string verdict_summary(const diagnosis::Verdict& verdict);
 /// The plan of a diagnosis for a terminal.
 [[nodiscard]] std::string plan_summary(const diagnosis::Plan& plan);

@@ -41,7 +41,7 @@ struct RunResult {
                                        ///< early, those before its end
   std::vector<std::string> not_made;   ///< companions that failed, and why
   std::optional<report::DiagnosisFiles> diagnosis;
-  std::string verdict;       ///< sentence of the diagnosis
+  std::string verdict;       ///< headline and answers of the diagnosis
   std::string no_diagnosis;  ///< why a diagnosis that was due failed
   std::optional<report::ReportOutcome> report;
   std::string no_report;  ///< why the report of a test that ended early failed

@@ -9,7 +9,7 @@ namespace rths::web {
 
 /// Contents of the files of this folder, embedded when it is built.
 extern const std::string_view kPageCss;
-extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs, kQuantitiesJs, kChartsJs;
+extern const std::string_view kThemeJs, kPlotsJs, kFiguresJs, kQuantitiesJs, kChartsJs, kSaveJs;
 
 /// Files that make a page: the HTML file, and the files that replace its marks.
 struct PageSections {

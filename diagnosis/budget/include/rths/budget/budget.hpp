@@ -35,6 +35,7 @@ struct AxisBudget {
 /// of its simulation. Every part is switched to "as identified" in every order.
 struct MismatchBudget {
   double integration_step = 0;  ///< of the responses [s]
+  std::vector<double> times;    ///< of the responses in the recording [s]; empty: not known
   std::vector<AxisBudget> axes;
   /// RMS difference of the analysis under the recorded force, over the RMS of the test [-].
   double replay = 0;

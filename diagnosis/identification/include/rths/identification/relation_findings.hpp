@@ -38,8 +38,5 @@ struct RelationFindings {
                                                         const SensorNoise& noise,
                                                         std::uint64_t seed,
                                                         DiagnosisProgress& progress);
-/// Withdraws all named terms, but rules that the model itself needs, and proves what remains.
-void withdraw_named(RelationFindings& found, const std::string& reason,
-                    DiagnosisProgress& progress);
 
 }  // namespace rths::diagnosis

@@ -154,6 +154,7 @@ struct Conclusion {
   bool has_remainder = false;  ///< a systematic residual remains besides the named causes
   /// Outputs with a systematic residual that no term explains, without axis: "displacement".
   std::vector<std::string> unexplained;
+  std::vector<std::string> withdrawn;  ///< titles of terms that were selected and are not named
   Where where;
 };
 
@@ -205,6 +206,9 @@ struct ImprovedModel {
 /// All results of a diagnosis.
 struct Verdict {
   std::string case_name;
+  /// The tested object in a word, "device", where the records do not tell it from its machine;
+  /// empty where they do, as those of a run.
+  std::string specimen;
   std::string sentence;  ///< the summary
   Conclusion conclusion;
   std::vector<RelationVerdict> relations;  ///< that of `evaluation` first
@@ -229,6 +233,18 @@ struct Verdict {
 /// The errors then compare the transfer system with a displacement equal to the reference. Causes,
 /// forms and remainder of other outputs stay.   @setup
 void add_budget(budget::MismatchBudget budget, Verdict& verdict);
+
+/// A verdict for a reader who has a minute.
+struct Answers {
+  std::string headline;   ///< at most 25 words and three numbers
+  std::string missing;    ///< what is missing, and where
+  std::string certainty;  ///< how sure that is
+  std::string next;       ///< what to do now
+};
+[[nodiscard]] Answers answers_of(const Verdict& verdict);
+
+/// Name of a part of the laboratory in a verdict: "machine", "device".
+[[nodiscard]] std::string place_of(Part part, const Verdict& verdict);
 
 /// "missing", "none", "unknown"
 [[nodiscard]] std::string name_of(Outcome outcome);
