@@ -3,12 +3,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include <rths/app/builtin_adapters.hpp>
+#include <rths/core/clock.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 #include <rths/session/run.hpp>
@@ -115,8 +118,15 @@ class PageOfRun {
     _exit(kFailure);
   }
   ~PageOfRun() {
+    constexpr Duration kLongestEnd = std::chrono::seconds{3};
+    std::fflush(stdout);  // the results, before the page has ended
     kill(pid_, SIGTERM);
-    waitpid(pid_, nullptr, 0);
+    WallClock clock;
+    const TimePoint latest = clock.now() + kLongestEnd;
+    while (waitpid(pid_, nullptr, WNOHANG) == 0) {
+      if (clock.now() > latest) kill(pid_, SIGKILL);
+      clock.sleep_until(clock.now() + std::chrono::milliseconds{10});
+    }
   }
   PageOfRun(const PageOfRun&) = delete;
   PageOfRun& operator=(const PageOfRun&) = delete;

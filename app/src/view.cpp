@@ -97,6 +97,7 @@ std::unique_ptr<monitor::PageServer> serve(const ViewArguments& a) {
   try {
     return std::make_unique<monitor::PageServer>(settings);
   } catch (const Error&) {
+    if (!a.listen.empty()) throw;  // the address may be at fault
     settings.port = 0;
     return std::make_unique<monitor::PageServer>(settings);
   }

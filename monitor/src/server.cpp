@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/monitor/server.hpp>
 
+#include <arpa/inet.h>
 #include <civetweb.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <map>
@@ -17,6 +19,7 @@
 
 #include <rths/broker/assign.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/text.hpp>
 #include <rths/web/page.hpp>
 
 #include "runs.hpp"
@@ -103,6 +106,8 @@ struct PageServer::State {
   std::string html;
   ShownRing ring;
   std::mutex mutex;  ///< of the viewers and of the trouble
+  /// Reading a recording forks, which another thread within HDF5 would not survive.
+  mutable std::mutex comparing;
   std::map<const mg_connection*, std::unique_ptr<Viewer>> viewers;
   std::atomic<int> connected{0};
   std::atomic<bool> starts{true};
@@ -192,9 +197,12 @@ int PageServer::State::compare(mg_connection* connection) const {
   const auto b = below(settings.runs, query_of(connection, "b"));
   if (!a || !b || !settings.compare)
     return refuse(connection, kNotFound, "there are no such two runs");
+  const std::unique_lock lock{comparing, std::try_to_lock};
+  if (!lock)
+    return answer(connection, kOk, "text/plain", "another comparison is made; repeat this one\n");
   try {
     return answer(connection, kOk, "text/plain", settings.compare(*a, *b));
-  } catch (const Error& error) {
+  } catch (const std::exception& error) {
     return answer(connection, kOk, "text/plain", fmt::format("{}\n", error.what()));
   }
 }
@@ -226,6 +234,9 @@ int PageServer::State::serve(mg_connection* connection) {
 int PageServer::State::connect(const mg_connection* connection, void* self) {
   State& state = of(self);
   std::string reason = state.refusal(connection, false);
+  constexpr std::size_t kKeyLength = 24;  // civetweb drops longer ones without a word
+  if (reason.empty() && header_of(connection, "Sec-WebSocket-Key").size() != kKeyLength)
+    reason = fmt::format("Sec-WebSocket-Key has another length than {}", kKeyLength);
   if (reason.empty() && state.connected.fetch_add(1) >= kMostViewers) {
     state.connected.fetch_sub(1);
     reason = fmt::format("{} pages are connected already", kMostViewers);
@@ -326,6 +337,14 @@ void PageServer::State::start() {
 PageServer::PageServer(ServerSettings settings) {
   if (!settings.listen.empty() && settings.token.empty())
     throw Error{"other hosts may view the page with a token only; state --token"};
+  // The token is a part of addresses and of a cookie.
+  const auto is_plain = [](char c) { return is_letter_or_digit(c) || c == '-' || c == '_'; };
+  if (!std::all_of(settings.token.begin(), settings.token.end(), is_plain))
+    throw Error{"the token has other characters, expected letters, digits, '-' and '_'"};
+  in_addr address{};
+  if (!settings.listen.empty() && inet_pton(AF_INET, settings.listen.c_str(), &address) != 1)
+    throw Error{fmt::format("found '{}' to listen on, expected an IPv4 address of this host",
+                            settings.listen)};
   state_ = std::make_unique<State>(std::move(settings));
   state_->start();
 }

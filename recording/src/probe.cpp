@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <poll.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -125,7 +126,10 @@ bool in_child(const std::filesystem::path& file, const std::function<bool()>& ac
   const pid_t child = fork();
   if (child == 0) {
     is_child = true;
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
     limit_resources(bytes);
+    // A child that sleeps uses no processor time.
+    alarm(static_cast<unsigned>(kClockPerProcessor * most_seconds(bytes)));
     const int null = open("/dev/null", O_WRONLY | O_CLOEXEC);
     dup2(null, STDOUT_FILENO);
     dup2(null, STDERR_FILENO);

@@ -244,7 +244,8 @@ struct Writer::File {
     if (!counts.empty()) write_numbers(drops, counts.data(), "writing drops");
     // Flushing only datasets leaves the end of the file in memory: unreadable after a crash.
     write_numbers(rows_missing, &rows_missing_count, "writing the number of missing rows");
-    check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL), "flushing the recording (is the disk full?)");
+    check(H5Fflush(file.id(), H5F_SCOPE_GLOBAL),
+          path.string() + ": flushing the recording (is the disk full?)");
     if (!lock.is_at(path))
       throw Error{path.string() + ": was removed or replaced while it was written"};
   }

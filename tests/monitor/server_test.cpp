@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/monitor/server.hpp>
 
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <functional>
@@ -266,6 +267,45 @@ TEST(Server, ListsRunsAndServesTheirFilesOnly) {
   for (const char* path : {"/run/../secret.txt", "/run/%2e%2e/secret.txt", "/run//../secret.txt",
                            "/run/good/../../secret.txt", "/run/none"})
     EXPECT_EQ(http_get(server.port(), path).find("a secret"), std::string::npos) << path;
+}
+
+// Reading a recording forks, which a second reader would not survive.
+TEST(Server, ComparesOnePairAtATime) {
+  const test::TemporaryFolder runs;
+  std::filesystem::create_directories(runs.path() / "a");
+  auto settings = settings_for(unique_ring("one_pair"));
+  settings.runs = runs.path();
+  std::atomic<bool> has_begun{false}, ends{false};
+  settings.compare = [&](const auto&, const auto&) -> std::string {
+    has_begun.store(true);
+    EXPECT_TRUE(becomes([&] { return ends.load(); }));
+    return "compared";
+  };
+  const PageServer server{settings};
+  std::string first;
+  std::thread other{[&] { first = http_get(server.port(), "/compare?a=a&b=a"); }};
+  ASSERT_TRUE(becomes([&] { return has_begun.load(); }));
+
+  EXPECT_NE(http_get(server.port(), "/compare?a=a&b=a").find("another comparison"),
+            std::string::npos);
+
+  ends.store(true);
+  other.join();
+  EXPECT_NE(first.find("compared"), std::string::npos);
+}
+
+TEST(Server, RefusesAnAddressOrATokenThatIsNone) {
+  const auto error = [](const std::string& listen, const std::string& token) {
+    auto settings = settings_for("none");
+    settings.listen = listen;
+    settings.token = token;
+    return test::error_of([&] { PageServer{settings}; });
+  };
+
+  EXPECT_EQ(error("127.0.0.1:9,0.0.0.0", "secret"),
+            "found '127.0.0.1:9,0.0.0.0' to listen on, expected an IPv4 address of this host");
+  EXPECT_EQ(error("", "a b;c"),
+            "the token has other characters, expected letters, digits, '-' and '_'");
 }
 
 TEST(Server, ComparesTwoRuns) {
