@@ -272,18 +272,6 @@ TEST(Diagnosis, DescribesAnUnknownEffect) {
   EXPECT_TRUE(std::all_of(still.begin(), still.end(), [](double u) { return u == 0; }));
 }
 
-// Friction that depends on position resembles this damper, but leaves a large remainder.
-TEST(Diagnosis, NamesNothingThatIsMuchMoreOftenWrongThanRight) {
-  const Verdict verdict = diagnose(case_of({.shaped = 300}));
-
-  EXPECT_EQ(verdict.conclusion.outcome, Outcome::Unknown) << verdict.sentence;
-  for (const auto& cause : verdict.conclusion.causes) ADD_FAILURE() << cause.name;
-  EXPECT_TRUE(std::any_of(verdict.limits.begin(), verdict.limits.end(), [](const auto& limit) {
-    return limit.find("was selected and is not named: a name like this one, or one of its") !=
-           std::string::npos;
-  })) << verdict.sentence;
-}
-
 // With one held-out record, halves of the fitted one score each other.
 TEST(Diagnosis, SaysThatAFormExplainsPiecesOfItsOwnRecord) {
   Case c = case_of({.ripple = 200});

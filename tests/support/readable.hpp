@@ -63,7 +63,7 @@ inline std::string unreadable(const std::string& headline,
   fault(all.find("confidence") != std::string::npos,
         "a confidence instead of how often it is right");
   fault(std::regex_search(all, std::regex{R"(\dE?e[-+]\d)"}), "a number has an exponent");
-  fault(all.find("nan") != std::string::npos, "a number is missing");
+  fault(std::regex_search(all, std::regex{R"(\bnan\b)"}), "a number is missing");
   // An error of the headline is that of the second answer.
   for (const auto& share : percentages_in(headline))
     if (answers.size() > 1 && headline.find(" by " + share) == std::string::npos)

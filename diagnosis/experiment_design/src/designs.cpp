@@ -308,7 +308,10 @@ class DesignSpace {
       const VectorXd values = signal_of(channel.role, motion, second);
       channel.values.assign(values.begin(), values.end());
     }
-    designs_.push_back({fmt::format("{}, {:.3g} s", text, time_.duration), std::move(record)});
+    constexpr double kLong = 999.5;  // [s] three digits would have an exponent
+    const std::string duration = time_.duration < kLong ? fmt::format("{:.3g}", time_.duration)
+                                                        : fmt::format("{:.0f}", time_.duration);
+    designs_.push_back({fmt::format("{}, {} s", text, duration), std::move(record)});
     return true;
   }
 

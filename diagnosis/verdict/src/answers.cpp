@@ -226,11 +226,14 @@ std::string unknown_headline(const Verdict& verdict) {
   const Conclusion& found = verdict.conclusion;
   const double after = verdict.evaluation.proof.after;
   if (found.causes.empty()) {
-    const std::string variable = variable_of(verdict);
-    return fmt::format("Something is missing ({}){}, but no effect can be named; {} {}.",
-                       place_of(found.where.part, verdict),
-                       variable.empty() ? "" : " that depends on " + variable, error_of(verdict),
-                       after > 0 ? "stays at " + size_of_error(after) : "is systematic");
+    const auto with = [&](const std::string& variable) {
+      return fmt::format("Something is missing ({}){}, but no effect can be named; {} {}.",
+                         place_of(found.where.part, verdict),
+                         variable.empty() ? "" : " that depends on " + variable, error_of(verdict),
+                         after > 0 ? "stays at " + size_of_error(after) : "is systematic");
+    };
+    const std::string text = with(variable_of(verdict));
+    return words_in(text) <= kMostWords ? text : with("");
   }
   return shortest_of([&](const Detail& detail) {
     const std::string improvement = improvement_of(verdict, detail);

@@ -30,7 +30,7 @@ constexpr std::array kPrefixes{Prefix{1e9, "G"},  Prefix{1e6, "M"},   Prefix{1e3
 std::string with_digits(double value, int digits) {
   if (!std::isfinite(value)) return "-";
   if (value == 0) return "0";
-  constexpr double kMostPlain = 1e6, kLeastPlain = 1e-4;
+  constexpr double kMostPlain = 1e6, kLeastPlain = 1e-7;
   const double size = std::abs(value);
   if (size >= kMostPlain || size < kLeastPlain) return fmt::format("{:.{}g}", value, digits);
   const double rounded = maths::rounded(value, digits);
