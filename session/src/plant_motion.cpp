@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <rths/app/builtin_adapters.hpp>
+#include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 #include <rths/recording/roles.hpp>
 #include <rths/session/plant.hpp>
@@ -62,7 +63,7 @@ struct PlantMotion {
     return static_cast<double>(target + 1) * experiment.time.integration_step;
   }
   [[nodiscard]] MatrixXd at_bearing(const Basis& basis, Index bearing) const {
-    return basis.bearings.middleRows<3>(3 * bearing) * coordinates / basis.to_metres();
+    return basis.displacement(basis.bearings.middleRows<3>(3 * bearing), coordinates);
   }
 };
 
@@ -73,16 +74,17 @@ void check_targets(const Reader& run, const PlantMotion& motion, const Basis& ba
   const MatrixXd found = motion.at_bearing(basis, tested);
   const auto times = run.signal(roles.time);
   double difference = 0, largest = 0;
-  for (std::size_t k = 0; k < roles.axes.size(); ++k) {
-    if (!run.has(roles.axes[k].target)) continue;
-    const auto targets = run.signal(roles.axes[k].target);
+  for (const auto& axis : roles.axes) {
+    if (!run.has(axis.target)) continue;
+    // A test may have one of the two axes.
+    const Index along = axis.axis == name_of(Axis::Long) ? 0 : 1;
+    const auto targets = run.signal(axis.target);
     for (std::size_t row = 0; row < times.size(); ++row) {
       const auto step =
           static_cast<Index>(std::lround(times[row] / motion.experiment.time.integration_step));
       if (step < 1 || step > found.cols()) continue;
       largest = std::max(largest, std::abs(targets[row]));
-      const double computed = found(static_cast<Index>(k), step - 1);
-      difference = std::max(difference, std::abs(targets[row] - computed));
+      difference = std::max(difference, std::abs(targets[row] - found(along, step - 1)));
     }
   }
   if (!(difference <= kSamePlant * largest))

@@ -147,6 +147,13 @@ TEST_F(RecordedPlant, MustHaveBeenAskedForItsCoordinates) {
             std::string::npos);
 }
 
+// The bearing still moves along both axes; only one of them has targets.
+TEST_F(RecordedPlant, MayBeTestedAlongOneAxis) {
+  const auto recording = made("[\"coordinates\"]", {{"axes", "[\"lat\"]"}});
+
+  EXPECT_EQ(rows_of(motion_of_bearing(recording, 1)).size(), 1000U);
+}
+
 TEST_F(RecordedPlant, HasNoOtherBearingOrTime) {
   const auto recording = made("[\"coordinates\"]");
 

@@ -168,12 +168,9 @@ void LargePlantAnalysis::correct_state() noexcept {
 
 void LargePlantAnalysis::predict(std::span<double> target, std::span<double> rate) noexcept {
   ++steps_;
-  if (settings_.substeps == 1) {
-    predict_state();
-    target_motion_ = tested_motion(target_displacement(), state_.predicted_v);
-  } else {
-    target_motion_ = tested_motion(target_displacement(), state_.v);
-  }
+  const bool is_single = settings_.substeps == 1;
+  if (is_single) predict_state();
+  target_motion_ = tested_motion(target_displacement(), is_single ? state_.predicted_v : state_.v);
   for (Index k = 0; k < 2; ++k) {
     target[static_cast<std::size_t>(k)] = target_motion_(k, 0);
     rate[static_cast<std::size_t>(k)] = target_motion_(k, 1);

@@ -48,8 +48,8 @@ struct Basis {
   /// A recorded coordinate is q/√M, with the mass M along [kg^-½]: a displacement of the whole
   /// mass.
   [[nodiscard]] double to_metres() const { return 1 / std::sqrt(mass[0]); }
-  /// u of some rows of Ψ, by recorded coordinates [m].
-  [[nodiscard]] VectorXd displacement(const MatrixXd& rows, const VectorXd& coordinates) const {
+  /// u of some rows of Ψ, by recorded coordinates: a column for each instant [m].
+  [[nodiscard]] MatrixXd displacement(const MatrixXd& rows, const MatrixXd& coordinates) const {
     return rows * coordinates / to_metres();
   }
 };
