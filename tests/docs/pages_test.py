@@ -15,6 +15,7 @@ WRONG = {
     "a file with an unknown key": (f"{FENCE}toml\nbearing = 1\nspeed = 2\n{FENCE}\n", "speed"),
     "code that raises": (f"{FENCE}python\nraise ValueError('bad')\n{FENCE}\n", "ValueError: bad"),
     "code that does not compile": (f"{FENCE}c\nint a = ;\n{FENCE}\n", "expected expression"),
+    "a test in real time": (f"{FENCE}sh\nrths run a.toml\n{FENCE}\n", "fails on a busy host"),
     "a part of no file": (f"<!-- part of: README.md -->\n{FENCE}cpp\nnowhere\n{FENCE}\n", "is not in README.md"),
     "an unknown mark": (f"<!-- maybe -->\n{FENCE}sh\ntrue\n{FENCE}\n", "unknown mark"),
     "a block without a language": (f"{FENCE}\ntrue\n{FENCE}\n", "language ''"),
