@@ -111,8 +111,10 @@ TEST_F(OpenSeesRanks, EndTogetherWhateverBecomesOfOne) {
         RankFate{"behead", "rank 0 was killed by signal 9"},
         RankFate{"fail", "rank 1: RuntimeError: there is no more ground to shake"},
         RankFate{"vanish", "rank 1 left its script before the end"},
-        RankFate{"freeze", "OpenSees has sent no message for 1 s"},
-        RankFate{"late", "OpenSees has sent no message for 1 s"},
+        RankFate{"freeze", ": rank 1 is stopped by a signal, expected all ranks to step"},
+        RankFate{"late",
+                 ": rank 1 sleeps and has not begun to analyze, expected all ranks to step"},
+        RankFate{"loop", ": rank 1 has not begun to analyze, expected all ranks to step"},
         RankFate{"twice",
                  "rank 0: the nodes of all ranks have a mass of 4e+06, expected 3e+06, that "
                  "of distinct nodes: node 1, for one, has a mass on the ranks 0, 1"},

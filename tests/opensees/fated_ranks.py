@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Two masses on springs and an experimental bearing, on two ranks; a rank or the model fails in a given way.
 
-usage: fated_ranks.py PORT leave|kill|behead|fail|vanish|freeze|late|twice|bearings STEPS [FILE]
+usage: fated_ranks.py PORT leave|kill|behead|fail|vanish|freeze|late|loop|twice|bearings STEPS [FILE]
 
 With FILE, rank 0 creates it after the steps and goes on without an end.
 """
@@ -16,6 +16,8 @@ port, fate, steps = int(sys.argv[1]), sys.argv[2], int(sys.argv[3])
 rank = ops.getPID()
 if fate == "late" and rank == 1:
     time.sleep(3600)
+while fate == "loop" and rank == 1:
+    pass
 ops.model("basic", "-ndm", 1, "-ndf", 1)
 ops.node(1, 0.0)
 if rank == 0 or fate == "twice":

@@ -18,6 +18,8 @@
 #include <rths/core/error.hpp>
 #include <rths/core/message.hpp>
 
+#include "process_table.hpp"
+
 namespace rths::adapters {
 namespace {
 
@@ -91,48 +93,6 @@ std::vector<LocalSocket> sockets_of(Transport transport, const sockaddr_in& peer
       if (auto socket = socket_in(line, ends, is_udp)) found.push_back(std::move(*socket));
   }
   return found;
-}
-
-bool is_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
-
-struct Process {
-  int parent = 0, group = 0;
-  std::string name;
-};
-
-// All processes of this host. A process may end at any moment.
-std::map<int, Process> processes() {
-  std::map<int, Process> all;
-  std::error_code ended;
-  for (const auto& entry : fs::directory_iterator{"/proc", ended}) {
-    const std::string pid = entry.path().filename().string();
-    if (!is_number(pid)) continue;
-    std::ifstream file{entry.path() / "stat"};
-    std::string text;
-    std::getline(file, text);
-    const auto open = text.find('('), close = text.rfind(')');
-    if (close == std::string::npos) continue;
-    Process process;
-    process.name = text.substr(open + 1, close - open - 1);
-    std::string state;
-    std::istringstream{text.substr(close + 1)} >> state >> process.parent >> process.group;
-    all[std::stoi(pid)] = process;
-  }
-  return all;
-}
-
-bool descends_from(int pid, int ancestor, const std::map<int, Process>& all) {
-  constexpr int kDeepest = 1000;
-  for (int depth = 0; pid > 0 && depth < kDeepest; ++depth) {
-    if (pid == ancestor) return true;
-    const auto process = all.find(pid);
-    if (process == all.end()) return false;
-    if (process->second.group == ancestor) return true;
-    pid = process->second.parent;
-  }
-  return false;
 }
 
 bool holds(int pid, const std::string& inode) {

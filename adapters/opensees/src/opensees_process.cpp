@@ -20,6 +20,7 @@
 
 #include <rths/core/error.hpp>
 
+#include "rank_watch.hpp"
 #include "script_runner.hpp"
 
 namespace rths::adapters {
@@ -160,8 +161,10 @@ Duration OpenSeesProcess::time_left(double longest, const char* problem) {
   require_running();
   const Duration left = restarted_ + from_seconds(longest) - WallClock{}.now();
   if (left > Duration{0}) return ended_ ? std::min<Duration>(left, kExitTime) : left;
-  throw Error{fmt::format("OpenSees {} {:g} s{}", problem, longest,
-                          script_ ? fmt::format(" ({})", log_) : "")};
+  const std::string hanging = has_ranks_ ? hanging_ranks(process()) : "";
+  throw Error{fmt::format("OpenSees {} {:g} s{}{}", problem, longest,
+                          script_ ? fmt::format(" ({})", log_) : "",
+                          hanging.empty() ? "" : ": " + hanging + ", expected all ranks to step")};
 }
 
 std::string OpenSeesProcess::with_exit_reason(std::string message) {

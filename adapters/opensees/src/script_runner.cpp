@@ -39,6 +39,12 @@ def leave(text, code=1):
     os._exit(code)
 
 
+def name_process(state):
+    """For the node, which names a rank that hangs."""
+    if count > 1:
+        ctypes.CDLL(None).prctl(15, f"rank {rank} {state}".encode())  # PR_SET_NAME
+
+
 def end_with(parent):
     ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
     if os.getppid() != parent:
@@ -121,6 +127,7 @@ def hook(ops):
 
     def checked_analyze(*arguments):
         while waiting:
+            name_process("steps")
             waiting.pop()(ops)
         steps, rest = arguments[0], arguments[1:]
         if not floors or len(rest) > 1:  # an analysis that chooses its steps is one
@@ -169,6 +176,7 @@ def run_as_rank():
         os.close(end)
         watch(child, ended)
     end_with(parent)
+    name_process("starts")
     try:
         run()
     except SystemExit as error:
