@@ -185,7 +185,10 @@ Json axis_budget_json(const budget::AxisBudget& axis) {
 
 Json budget_json(const budget::MismatchBudget& found) {
   if (found.is_empty()) return nullptr;
-  return {{"axes", each(found.axes, axis_budget_json)}, {"replay_nrms", number(found.replay)}};
+  return {{"axes", each(found.axes, axis_budget_json)},
+          {"replay_nrms", number(found.replay)},
+          {"loops", found.loops},
+          {"share_error", number(found.share_error)}};
 }
 
 Json peak_json(const budget::PeakBand& peak) {

@@ -81,6 +81,8 @@ TEST_F(DiagnosedRun, ExplainsTheResponseByABudgetThatAddsUp) {
   const Json& budget = verdict["budget"];
   ASSERT_EQ(budget["axes"].size(), 2U);
   EXPECT_LT(budget["replay_nrms"], 1e-4);
+  EXPECT_LE(budget["share_error"], 0.01);
+  EXPECT_TRUE(budget["loops"] == 12 || budget["share_error"] == 0) << budget["loops"];
   for (const auto& axis : budget["axes"]) {
     double sum = axis["remainder"];
     for (const auto& share : axis["shares"]) sum += share.get<double>();

@@ -18,4 +18,17 @@ namespace rths::budget {
 [[nodiscard]] std::vector<double> shapley(std::size_t players,
                                           const std::function<double(unsigned coalition)>& value);
 
+/// Shapley values from the ends of the game: no player, each alone, all but each, all.
+struct SharesFromEnds {
+  std::vector<double> shares;  ///< one per player; they add up as those of `shapley`
+  /// What the shares, before they were made to add up, differed by. 0 if no three players interact.
+  double gap = 0;
+};
+
+/// Half of what a player adds to nobody, half of what it adds to all others: exact if the value is
+/// a sum of terms of one player and of two. 2 + 2 players coalitions are valued, at most once each.
+/// @param players, value  as `shapley`   @throws Error as `shapley`   @setup
+[[nodiscard]] SharesFromEnds shapley_from_ends(
+    std::size_t players, const std::function<double(unsigned coalition)>& value);
+
 }  // namespace rths::budget
