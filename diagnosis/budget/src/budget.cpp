@@ -12,6 +12,8 @@
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
 
+#include "side_by_side.hpp"
+
 namespace rths::budget {
 namespace {
 
@@ -46,8 +48,8 @@ std::string parts_text(Parts parts) {
   return text.empty() ? "nothing" : text;
 }
 
-/// Energies of the difference to the test, by set of identified parts. Each loop runs when it is
-/// first needed, once.
+/// Energies of the difference to the test, by set of identified parts. Each loop runs once, before
+/// it is asked for.
 class Loops {
  public:
   Loops(const HybridTest& test, const Response& measured)
@@ -56,30 +58,40 @@ class Loops {
         is_late_{!test.host.order.machine_before.empty() || !test.host.arrivals.empty()},
         energies_(std::size_t{1} << kParts) {}
 
-  /// @throws Error if the loop diverges
-  double energy(Parts parts, std::size_t axis) {
-    auto& known = energies_[with_host_of(parts)];
-    if (!known) known = energies_of(run(parts), parts);
-    return (*known)[axis];
+  /// @throws Error if a loop diverges
+  void run(std::vector<Parts> sets) {
+    std::erase_if(sets, [&](Parts parts) { return energies_[parts].has_value(); });
+    std::vector<Response> responses(sets.size());
+    side_by_side(sets.size(), [&](std::size_t i) { responses[i] = closed_loop(test_, sets[i]); });
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      energies_[sets[i]] = energies_of(responses[i], sets[i]);
+      if (sets[i] == kNone)
+        simulated_ = std::move(responses[i]);
+      else if (sets[i] == all())
+        improved_ = std::move(responses[i]);
+    }
+    runs_ += static_cast<int>(sets.size());
   }
-  Response response(Parts parts) {
-    Response response = run(parts);
-    energies_[with_host_of(parts)] = energies_of(response, parts);
-    return response;
+  [[nodiscard]] double energy(Parts parts, std::size_t axis) const {
+    return (*energies_[parts])[axis];
   }
-  /// Parts whose sets are all different: a host that is never late is as simulated.
+  [[nodiscard]] const Response& simulated() const { return simulated_; }
+  [[nodiscard]] const Response& improved() const { return improved_; }
+  /// The last part, the host, is as simulated if it was never late.
   [[nodiscard]] std::size_t parts() const { return is_late_ ? kParts : kParts - 1; }
+  [[nodiscard]] Parts all() const { return (Parts{1} << parts()) - 1; }
+  /// None, each part alone, all but each, all.
+  [[nodiscard]] std::vector<Parts> ends() const {
+    std::vector<Parts> sets{kNone, all()};
+    for (std::size_t i = 0; i < parts(); ++i) {
+      sets.push_back(Parts{1} << i);
+      sets.push_back(all() & ~(Parts{1} << i));
+    }
+    return sets;
+  }
   [[nodiscard]] int runs() const { return runs_; }
 
  private:
-  // The host is the last part.
-  [[nodiscard]] Parts with_host_of(Parts parts) const {
-    return is_late_ ? parts : parts & ~only(Part::Host);
-  }
-  [[nodiscard]] Response run(Parts parts) {
-    ++runs_;
-    return closed_loop(test_, with_host_of(parts));
-  }
   [[nodiscard]] std::array<double, 2> energies_of(const Response& response, Parts parts) const {
     std::array<double, 2> energies{};
     for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -95,6 +107,7 @@ class Loops {
   const Response& measured_;
   bool is_late_;
   std::vector<std::optional<std::array<double, 2>>> energies_;
+  Response simulated_, improved_;
   int runs_ = 0;
 };
 
@@ -119,6 +132,9 @@ double share_out(Loops& loops, std::vector<AxisBudget>& axes) {
     largest = std::max(largest, std::abs(found.gap));
   }
   if (largest <= kMostGap) return largest;
+  std::vector<Parts> every;
+  for (Parts parts = kNone; parts <= loops.all(); ++parts) every.push_back(parts);
+  loops.run(std::move(every));
   for (auto& axis : axes)
     if (axis.before > 0) keep(shapley(loops.parts(), removed(axis)), axis);
   return 0;
@@ -159,7 +175,7 @@ MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
   MismatchBudget budget;
   budget.integration_step = test.integration_step;
   Loops loops{test, measured};
-  const Response simulated = loops.response(kNone), improved = loops.response(kAll);
+  loops.run(loops.ends());
   const Response again = replayed(test, force);
   double apart = 0, all = 0;
   for (std::size_t axis = 0; axis < 2; ++axis) {
@@ -168,13 +184,13 @@ MismatchBudget mismatch_budget(HybridTest test, const Response& measured,
     one.axis = kHorizontal[axis];
     one.transfer = systems[axis];
     one.measured = measured[axis];
-    one.simulated = simulated[axis];
-    one.improved = improved[axis];
+    one.simulated = loops.simulated()[axis];
+    one.improved = loops.improved()[axis];
     one.noise =
         std::sqrt(energy(test.noise[axis].displacement) / energy(records[axis].displacement));
     const double size = energy(measured[axis]);
     one.before = std::sqrt(loops.energy(kNone, axis) / size);
-    one.after = std::sqrt(loops.energy(kAll, axis) / size);
+    one.after = std::sqrt(loops.energy(loops.all(), axis) / size);
     // No part causes a difference that is none.
     one.remainder = one.before > 0 ? std::pow(one.after / one.before, 2) : 1;
     budget.axes.push_back(std::move(one));

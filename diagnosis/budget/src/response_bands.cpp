@@ -9,6 +9,8 @@
 #include <rths/maths/statistics.hpp>
 #include <rths/sim/floor_spectrum.hpp>
 
+#include "side_by_side.hpp"
+
 namespace rths::budget {
 namespace {
 
@@ -84,19 +86,27 @@ ResponseBands response_bands(const UncertainSimulation& simulation) {
                                  simulation.time_step, simulation.duration, added),
         frequencies);
   };
-  const Eigen::VectorXd fitted = run(simulation.fitted, {});
-  Eigen::VectorXd variances = Eigen::VectorXd::Zero(fitted.size());
-  for (const auto& specimen : simulation.deviating)
-    variances += 0.5 * (run(specimen, {}) - fitted).cwiseAbs2();
-  const bool has_remainder = !simulation.remainder.empty();
   const auto steps =
       static_cast<std::size_t>(std::lround(simulation.duration / simulation.time_step));
-  for (std::size_t k = 0; k < (has_remainder ? kDraws : 0); ++k)
-    variances +=
-        (run(simulation.fitted, begun_later(simulation.remainder, k, steps)) - fitted).cwiseAbs2() /
-        static_cast<double>(kDraws);
+  const std::size_t deviating = simulation.deviating.size();
+  const bool has_remainder = !simulation.remainder.empty();
+  std::vector<Eigen::VectorXd> found(1 + deviating + (has_remainder ? kDraws : 0));
+  side_by_side(found.size(), [&](std::size_t i) {
+    if (i == 0)
+      found[i] = run(simulation.fitted, {});
+    else if (i <= deviating)
+      found[i] = run(simulation.deviating[i - 1], {});
+    else
+      found[i] =
+          run(simulation.fitted, begun_later(simulation.remainder, i - deviating - 1, steps));
+  });
+  const Eigen::VectorXd& fitted = found[0];
+  Eigen::VectorXd variances = Eigen::VectorXd::Zero(fitted.size());
+  for (std::size_t i = 1; i < found.size(); ++i)
+    variances += (found[i] - fitted).cwiseAbs2() *
+                 (i <= deviating ? 0.5 : 1.0 / static_cast<double>(kDraws));
   ResponseBands bands = bands_of(fitted, variances, frequencies, simulation.structure->floors());
-  bands.runs = static_cast<int>(1 + simulation.deviating.size() + (has_remainder ? kDraws : 0));
+  bands.runs = static_cast<int>(found.size());
   bands.has_remainder = has_remainder;
   return bands;
 }

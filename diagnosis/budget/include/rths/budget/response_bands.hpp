@@ -56,6 +56,7 @@ struct ResponseBands {
 ///
 /// The remainder has no place in a motion that differs from that of the test; so each of the eight
 /// begins it at another instant, every other one with the opposite sign. Without random numbers.
+/// One simulation runs on each processor at a time.
 /// @throws Error if a simulation diverges   @setup
 [[nodiscard]] ResponseBands response_bands(const UncertainSimulation& simulation);
 
