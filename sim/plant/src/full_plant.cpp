@@ -38,8 +38,8 @@ class FullPlant final : public LargePlantAnalysis {
     for (const auto& floor : structure.floors)
       for (const Index dof : structure.nodes[floor.node].dofs) floor_dofs_.push_back(dof);
     if (settings.counts_energy) stiffness_ = on_initial_springs(structure, bearings);
-    tested_responses_.resize(structure.dofs(), 2);
-    for (Index k = 0; k < 2; ++k) {
+    tested_responses_.resize(structure.dofs(), settings.measures_vertical ? 3 : 2);
+    for (Index k = 0; k < tested_responses_.cols(); ++k) {
       load_ = tested_.transpose() * Eigen::Vector3d::Unit(k);
       factor_.solve(load_, solution_);
       tested_responses_.col(k) = solution_;
@@ -68,7 +68,7 @@ class FullPlant final : public LargePlantAnalysis {
     factor_.solve(load_, solution_);
     state_.a = solution_ - state_.w / share;
   }
-  void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME override {
+  void add_tested(const TestedForce& correction) RTHS_REALTIME override {
     state_.a.noalias() -= tested_responses_ * correction;
   }
   void floor_motion(VectorXd& acceleration) const RTHS_REALTIME override {

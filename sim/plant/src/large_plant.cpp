@@ -81,6 +81,7 @@ PlantSettings settings_of(const PlantDescription& description,
   plant.damping_frequency = description.damping_frequency;
   plant.tested_bearing = description.tested_bearing;
   plant.substeps = settings.substeps;
+  plant.measures_vertical = settings.vertical == sim::VerticalFeedback::Measured;
   plant.counts_energy = description.monitors_energy;
   plant.monitors_coordinates = description.monitors_coordinates;
   return plant;
@@ -91,13 +92,6 @@ BasisSettings basis_settings(const PlantDescription& description) {
   settings.frequency_limit = description.frequency_limit;
   settings.tested_bearing = description.tested_bearing;
   return settings;
-}
-
-void require_model_of_vertical(const sim::AnalysisSettings& settings) {
-  if (settings.vertical == sim::VerticalFeedback::Measured)
-    throw Error{
-        "a large plant computes its vertical motion: vertical_feedback is measured, "
-        "expected model"};
 }
 
 }  // namespace
@@ -175,7 +169,6 @@ std::optional<sim::StructureSketch> LargePlant::sketch() const {
 
 std::unique_ptr<sim::Substructure> LargePlant::analysis(
     const sim::AnalysisSettings& settings) const {
-  require_model_of_vertical(settings);
   const PlantSettings plant = settings_of(description_, settings);
   if (description_.is_full)
     return make_full(description_.structure(), description_.bearings, settings.motion, plant);

@@ -73,6 +73,8 @@ LargePlantAnalysis::LargePlantAnalysis(const BearingSet& bearings, const VectorX
       last_correction_{correction_},
       mixed_correction_{correction_},
       floor_acceleration_{VectorXd::Zero(row_of(floors_))},
+      tested_{TestedForce::Zero(settings.measures_vertical ? 3 : 2)},
+      next_tested_{tested_},
       substeps_ahead_{settings.substeps} {}
 
 void LargePlantAnalysis::begin_at_rest(Index size) {
@@ -96,9 +98,11 @@ void LargePlantAnalysis::begin_at_rest(Index size) {
 void LargePlantAnalysis::find_responses() {
   const Index size = state_.u.size(), row = row_of(settings_.tested_bearing);
   const double alpha = settings_.alpha;
-  for (MatrixXd* each : {&responses_.u, &responses_.v, &responses_.a}) each->resize(size, 2);
-  responses_.floors.resize(floor_acceleration_.size(), 2);
-  for (Index k = 0; k < 2; ++k) {
+  const Index directions = tested_.size();
+  for (MatrixXd* each : {&responses_.u, &responses_.v, &responses_.a})
+    each->resize(size, directions);
+  responses_.floors.resize(floor_acceleration_.size(), directions);
+  for (Index k = 0; k < directions; ++k) {
     for (VectorXd* each : {&state_.u, &state_.v, &state_.a}) each->setZero();
     double last = 0;
     for (const auto share : {share_of_parabola, share_of_line}) {
@@ -184,10 +188,10 @@ void LargePlantAnalysis::predict(std::span<double> target, std::span<double> rat
 }
 
 // Of all bearings but the tested one, whose d is `tested`.
-void LargePlantAnalysis::solve_step(double time, const Eigen::Vector2d& tested) noexcept {
+void LargePlantAnalysis::solve_step(double time, const TestedForce& tested) noexcept {
   bearing_motion(bearing_motion_);
   bearings_.advance(bearing_motion_, settings_.tested_bearing, correction_);
-  correction_.segment<2>(row_of(settings_.tested_bearing)) = tested;
+  correction_.segment(row_of(settings_.tested_bearing), tested.size()) = tested;
   const double alpha = settings_.alpha;
   mixed_correction_ =
       bearings_.stands_for() * ((1 + alpha) * correction_ - alpha * last_correction_);
@@ -203,7 +207,7 @@ void LargePlantAnalysis::work_ahead() noexcept {
     integrate_substep();
     return;
   }
-  solve_step(time(), Eigen::Vector2d::Zero());
+  solve_step(time(), TestedForce::Zero(tested_.size()));
   monitored_ground_ = ground_;
   substeps_ahead_ = 1;
 }
@@ -220,27 +224,31 @@ void LargePlantAnalysis::integrate_substep() noexcept {
 void LargePlantAnalysis::correct(std::span<const double> force) noexcept {
   while (!is_ahead()) work_ahead();
   const std::size_t tested = settings_.tested_bearing;
-  const Eigen::Vector2d correction =
+  TestedForce correction{tested_.size()};
+  correction.head<2>() =
       bearings_.correction_for(tested, {force[0], force[1]}, target_motion_.col(0).head<2>(),
                                target_motion_.col(1).head<2>());
+  if (settings_.measures_vertical)
+    correction[2] = bearings_.vertical_correction_for(force[2], target_motion_(2, 0));
   if (settings_.substeps > 1) {
     correct_with_substeps(correction);
     return;
   }
   add_tested(bearings_.stands_for() * (1 + settings_.alpha) * correction);
-  correction_.segment<2>(row_of(tested)) = correction;
+  correction_.segment(row_of(tested), correction.size()) = correction;
   last_correction_ = correction_;
   correct_state();
   if (energy_) energy_->add_step(*this);
 }
 
-void LargePlantAnalysis::correct_with_substeps(const Eigen::Vector2d& correction) noexcept {
-  const Eigen::Vector2d change = correction - next_tested_;
+void LargePlantAnalysis::correct_with_substeps(const TestedForce& correction) noexcept {
+  const TestedForce change = correction - next_tested_;
   state_.u.noalias() += responses_.u * change;
   state_.v.noalias() += responses_.v * change;
   state_.a.noalias() += responses_.a * change;
   floor_acceleration_.noalias() += responses_.floors * change;
-  last_correction_.segment<2>(row_of(settings_.tested_bearing)) += share_of_line(1) * change;
+  last_correction_.segment(row_of(settings_.tested_bearing), change.size()) +=
+      share_of_line(1) * change;
   next_tested_ = 2 * correction - tested_;
   tested_ = correction;
 }

@@ -79,9 +79,11 @@ class ReducedPlant final : public LargePlantAnalysis {
     load_.noalias() += participation_ * ground;
     state_.a = -compliance_.array() * (load_.array() + stiffness_.array() * state_.w.array());
   }
-  void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME override {
+  void add_tested(const TestedForce& correction) RTHS_REALTIME override {
     state_.a.array() -= compliance_.array() * (tested_.row(0).transpose().array() * correction[0] +
                                                tested_.row(1).transpose().array() * correction[1]);
+    if (correction.size() > 2)
+      state_.a.array() -= compliance_.array() * tested_.row(2).transpose().array() * correction[2];
   }
   void floor_motion(VectorXd& acceleration) const RTHS_REALTIME override {
     acceleration.noalias() = floors_ * state_.a;

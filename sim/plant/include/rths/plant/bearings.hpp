@@ -61,6 +61,11 @@ class BearingField {
       const Eigen::Vector2d& velocity) const RTHS_REALTIME {
     return force - stiffness_[bearing] * (displacement + damping_time_ * velocity);
   }
+  /// d of one bearing for its vertical force: −F − k u.
+  /// @param compression  F, on top of the weight [N]   @param up  u [m]
+  [[nodiscard]] double vertical_correction_for(double compression, double up) const RTHS_REALTIME {
+    return -compression - vertical_stiffness_ * up;
+  }
   /// Restoring forces f of the bearings, from a motion and its d [N].
   void forces(const MatrixXd& motion, const VectorXd& correction,
               VectorXd& forces) const RTHS_REALTIME;

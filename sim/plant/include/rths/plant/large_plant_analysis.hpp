@@ -22,6 +22,8 @@ struct PlantSettings {
   std::size_t tested_bearing = 0;
   int substeps = 1;  ///< of the integration between targets; energy is counted with 1 alone
   bool monitors_coordinates = false;  ///< of a reduced plant, see Basis::displacement
+  /// The vertical force of the tested bearing is that of the specimen, not of a spring.
+  bool measures_vertical = false;
 
   [[nodiscard]] double damping_time() const;  ///< a₁ = 2 ζ/ω [s]
 };
@@ -51,7 +53,9 @@ class EnergyCount;
 ///     c = (1+α)(γ Δt a₁ + β Δt²),   d = f − k_I (u + a₁ v): see BearingField
 ///
 /// Only d of the tested bearing is late. By superposition, its effect on the next target is a fixed
-/// 2 × 2 matrix; all else is computed by `work_ahead`, while the machine moves.
+/// 2 × 2 matrix; all else is computed by `work_ahead`, while the machine moves. With a measured
+/// vertical force it is a 3 × 3 matrix, and d of the tested bearing includes −F − k u, F: the
+/// compression on top of the weight. k a₁ v stays, as the machine is asked for k u alone.
 ///
 /// With substeps, Δt is a part of the time between targets. `work_ahead` integrates from the target
 /// that the machine moves to, to the next one, a substep in each call. It extrapolates d of the
@@ -78,6 +82,9 @@ class LargePlantAnalysis : public sim::Substructure {
   ~LargePlantAnalysis() override;
 
  protected:
+  /// Of the tested bearing: long, lat, and vertical if that is measured.
+  using TestedForce = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kDirections, 1>;
+
   LargePlantAnalysis(const BearingSet& bearings, const VectorXd& weights, sim::GroundMotion motion,
                      const std::vector<Floor>& floors, const PlantSettings& settings);
 
@@ -100,7 +107,7 @@ class LargePlantAnalysis : public sim::Substructure {
   /// @param correction  (1+α)d⁺ − α d of all bearings
   virtual void solve(const Eigen::Vector3d& ground, const VectorXd& correction) RTHS_REALTIME = 0;
   /// Adds the effect of (1+α)d⁺ of the tested bearing to the acceleration.
-  virtual void add_tested(const Eigen::Vector2d& correction) RTHS_REALTIME = 0;
+  virtual void add_tested(const TestedForce& correction) RTHS_REALTIME = 0;
   /// Relative acceleration of the floors, 3 × floors.
   virtual void floor_motion(VectorXd& acceleration) const RTHS_REALTIME = 0;
   /// M x, K_I x and M ι a_g, for the energy.
@@ -121,7 +128,7 @@ class LargePlantAnalysis : public sim::Substructure {
   State state_;
 
  private:
-  /// Responses to a change of d of the tested bearing by 1 N, along long and lat.
+  /// Responses to a change of d of the tested bearing by 1 N, in each of its directions.
   struct Responses {
     MatrixXd u, v, a;  ///< of the state at the next target
     MatrixXd floors;   ///< of their acceleration at the target before it
@@ -131,12 +138,12 @@ class LargePlantAnalysis : public sim::Substructure {
   [[nodiscard]] Eigen::Vector2d spring_force(const Eigen::Vector2d& displacement) const;
   void predict_state() RTHS_REALTIME;
   void correct_state() RTHS_REALTIME;
-  void solve_step(double time, const Eigen::Vector2d& tested) RTHS_REALTIME;
+  void solve_step(double time, const TestedForce& tested) RTHS_REALTIME;
   void integrate_substep() RTHS_REALTIME;
   [[nodiscard]] bool is_ahead() const RTHS_REALTIME {
     return substeps_ahead_ == settings_.substeps;
   }
-  void correct_with_substeps(const Eigen::Vector2d& correction) RTHS_REALTIME;
+  void correct_with_substeps(const TestedForce& correction) RTHS_REALTIME;
 
   PlantSettings settings_;
   double step_;  // of the integration [s]
@@ -150,8 +157,8 @@ class LargePlantAnalysis : public sim::Substructure {
   Eigen::Vector3d ground_ = Eigen::Vector3d::Zero(), monitored_ground_ = ground_;
   Eigen::Matrix<double, 3, 2> target_motion_;  // of the tested bearing
   Responses responses_;                        // with substeps
-  Eigen::Vector2d tested_ = Eigen::Vector2d::Zero(), next_tested_ = tested_;  // d at targets [N]
-  std::unique_ptr<EnergyCount> energy_;                                       // none: not counted
+  TestedForce tested_, next_tested_;           // d at targets [N]
+  std::unique_ptr<EnergyCount> energy_;        // none: not counted
   std::size_t steps_ = 0;
   friend class EnergyCount;
   int substeps_ahead_;  // since the last target
