@@ -144,7 +144,7 @@ struct RunDescription {
   double integration_step = 0;                  ///< in model time [s]
   double rate = 1;                              ///< wall time over model time, as planned
   double rest = 0;                              ///< wall time before the test [s]
-  double spectrum_elevation = 0;                ///< [m]
+  std::optional<double> spectrum_elevation;     ///< of floors of sticks [m]
 };
 
 /// Times and rates that the run reached.

@@ -151,6 +151,8 @@ std::string structure_sentence(const Config& file) {
                          : "assumptions of this project");
 }
 
+bool is_large(const Config& plant) { return plant.text("model", "sticks") != "sticks"; }
+
 std::string vertical_sentence(const Config& file, const MachineNode& machine) {
   if (table_of_node(file, {"numerical"}).text("vertical_feedback", "model") == "measured")
     return "The vertical force is tested, too: its measurement restores the structure.";
@@ -160,6 +162,9 @@ std::string vertical_sentence(const Config& file, const MachineNode& machine) {
     causes.emplace_back("vertical motion of the ground");
   if (plant.number("bearing_long_m", 0) != 0 || plant.number("bearing_lat_m", 0) != 0)
     causes.emplace_back("overturning of the structure");
+  // On one bearing, it cannot overturn.
+  if (is_large(plant) && plant.integer("bearings", 0) != 1)
+    causes.emplace_back("overturning and bending of the structure");
   if (causes.empty() || table_of_node(file, {"opensees"}).has("adapter"))
     return "The vertical load of the bearing is constant.";
   if (machine.adapter == "ideal_machine")
@@ -227,8 +232,10 @@ RunDescription describe(const Reader& run) {
   test.integration_step = file.number("integration_step_s", 0.01);
   test.rate = file.number("rate", 1);
   test.planned_duration = file.number("duration_s", 0);
-  test.spectrum_elevation = file.table_or_empty("plant").number(
-      "spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
+  const Config plant = file.table_or_empty("plant");
+  if (!is_large(plant) && !table_of_node(file, {"opensees"}).has("floor"))
+    test.spectrum_elevation =
+        plant.number("spectrum_elevation_m", sim::IsolatedPlant{}.spectrum_elevation);
   test.rest = file.number("rest_s", 0);
   test.motion = motion_name(file);
   const Config bounds = file.table_or_empty("conclusive");

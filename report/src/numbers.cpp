@@ -350,7 +350,8 @@ Json numbers_of(const Analysis& analysis) {
   json["rows_missing"] = analysis.hosts.rows_missing;
   json["operator_changes"] = each(analysis.changes, change_numbers);
   json["safety"] = each(analysis.safety, safety_numbers);
-  json["spectrum_elevation_m"] = analysis.test.spectrum_elevation;
+  if (const auto& elevation = analysis.test.spectrum_elevation)
+    json["spectrum_elevation_m"] = *elevation;
   json["scope"] = analysis.test.scope;
   json["command"] = analysis.test.command;
   json["meta"] = analysis.test.meta;

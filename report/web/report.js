@@ -60,7 +60,7 @@
     document.title = `${n.name} · rths report`;
     byId("title").textContent = n.name.replaceAll("_", " ");
     byId("subtitle").append(
-      `${n.motion} · ${n.duration_s} s · ${n.clock === "wall" ? "in real time" : "in virtual time"}, ` +
+      `${n.motion} · ${Number(n.duration_s.toPrecision(4))} s · ${n.clock === "wall" ? "in real time" : "in virtual time"}, ` +
       `${n.processes} process${n.processes === 1 ? "" : "es"} · ${n.meta.started}` +
       (n.achieved_rate && Math.abs(n.achieved_rate - n.rate) > 0.01 * n.rate
         ? ` · ${fixed(n.achieved_rate, 2)} s of wall time per second of the model, planned ${n.rate}` : ""),
@@ -288,12 +288,12 @@
 
   const floors = () => {
     if (!data.floors.length) return;
-    const place = data.structure.sketch ? "" : `, at elevation ${n.spectrum_elevation_m}\u2009m`;
+    const place = n.spectrum_elevation_m === undefined ? "" : `, at elevation ${n.spectrum_elevation_m}\u2009m`;
     byId("floor-text").textContent = `5\u2009% damping${place}: the largest magnitude over ` +
       "time of the absolute acceleration vector of an oscillator in two directions.";
     const f = unpack(data.frequencies_Hz);
     for (const floor of data.floors)
-      lines("floors", floor.floor[0].toUpperCase() + floor.floor.slice(1), f, "frequency [Hz]", "acceleration [m/s²]",
+      lines("floors", (floor.floor[0].toUpperCase() + floor.floor.slice(1)).replaceAll("_", " "), f, "frequency [Hz]", "acceleration [m/s²]",
         floor.spectra.slice().reverse().map(s => ({
           ...styled(s.of, labelOf(s.of)), y: unpack(s.values), width: s.of === "hybrid" ? 2 : 1.5,
         })), { logX: true, logY: true, height: 320 });

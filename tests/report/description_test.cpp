@@ -126,6 +126,16 @@ RunDescription described_with(const std::string& nodes, const std::string& more 
   return Recorded{{}, "", "name = \"shake\"\n" + more + nodes}.described();
 }
 
+// Other structures have floors at places of their own.
+TEST(Description, KnowsTheElevationOfSticksAlone) {
+  EXPECT_TRUE(described_with("[node.opf]\nadapter = \"numerical\"\n").spectrum_elevation);
+  EXPECT_FALSE(described_with("[node.opf]\nadapter = \"numerical\"\n", "[plant]\nmodel = \"ant\"\n")
+                   .spectrum_elevation);
+  EXPECT_FALSE(described_with("[node.opf]\nadapter = \"opensees\"\n"
+                              "[[node.opf.floor]]\nname = \"roof\"\n")
+                   .spectrum_elevation);
+}
+
 TEST(Description, SaysWhatVariesTheVerticalLoad) {
   const std::string nodes =
       "[node.opf]\nadapter = \"numerical\"\n[node.srmd]\nadapter = \"srmd\"\n";
@@ -138,6 +148,9 @@ TEST(Description, SaysWhatVariesTheVerticalLoad) {
   EXPECT_TRUE(load_is(corner + "[motion]\nfile_vert = \"up.AT2\"\n",
                       "varies by vertical motion of the ground and by overturning of the "
                       "structure."));
+  EXPECT_TRUE(
+      load_is("[plant]\nmodel = \"ant\"\n", "varies by overturning and bending of the structure."));
+  EXPECT_TRUE(load_is("[plant]\nmodel = \"ant\"\nbearings = 1\n", "is constant."));
   EXPECT_TRUE(says(described_with("[node.opf]\nadapter = \"opensees\"\n", corner),
                    "The vertical load of the bearing is constant."));
 }
