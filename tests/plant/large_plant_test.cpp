@@ -95,6 +95,15 @@ TEST_F(KeptModes, AreMadeOnce) {
   EXPECT_EQ(second.basis().bearings, first.basis().bearings);
 }
 
+TEST_F(KeptModes, OnAFixedBaseAreMadeOnce) {
+  int made = 0;
+  const LargePlant plant{described(&made), folder_.path()};
+  const sim::AnalysisSettings settings{constant_acceleration(1), 0, 0.01};
+  for (int i = 0; i < 2; ++i) static_cast<void>(plant.analysis_on_fixed_base(settings));
+
+  EXPECT_EQ(made, 2);  // with its bearings and without
+}
+
 TEST_F(KeptModes, AreMadeAgainForOtherBearings) {
   int made = 0;
   const LargePlant first{described(&made), folder_.path()};

@@ -117,6 +117,7 @@ Basis fixed_basis(const Structure& structure, double frequency_limit) {
   basis.stiffness = (2 * std::numbers::pi * modes.frequencies).cwiseAbs2();
   basis.participation = modes.shapes.transpose() * fixed.inertia();
   basis.bearings = MatrixXd::Zero(0, modes.shapes.cols());
+  basis.nodes = basis.bearing_places = MatrixXd::Zero(3, 0);
   basis.floors = MatrixXd::Zero(std::ssize(fixed.floors) * 3, modes.shapes.cols());
   Index row = 0;
   for (const auto& floor : fixed.floors)
