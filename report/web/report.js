@@ -277,7 +277,9 @@
     if (!structure.draw("structure", s.sketch)) return;
     byId("structure-section").hidden = false;
     byId("structure-text").textContent = "The structure's bearings and its first modes on their initial stiffness. Grey: at rest. " +
-      `During the test, at most ${n.bearings_lifted} of its bearings lifted off at a time.`;
+      (n.bearings_lifted === undefined ? ""
+        : n.bearings_lifted === 0 ? "No bearing lifted off during the test."
+        : `During the test, at most ${n.bearings_lifted} of its bearings lifted off at a time.`);
     const least = unpack(s.least_MN.values);
     if (!least.length) return;
     lines("structure-loads", "Loads of the bearings during the test", times(s.least_MN), "model time [s]", "load [MN]", [

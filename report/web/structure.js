@@ -37,7 +37,8 @@ const structure = (() => {
 
   const loads = (container, sketch) => {
     const [least, most] = [Math.min(...sketch.loads_MN), Math.max(...sketch.loads_MN)];
-    const caption = `Loads of the bearings at rest: ${least.toFixed(2)} to ${most.toFixed(2)} MN`;
+    const span = most - least < 0.01 ? "" : `${least.toFixed(2)} to `;
+    const caption = `Loads of the bearings at rest: ${span}${most.toFixed(2)} MN`;
     const box = figure(container, caption, []);
     const points = sketch.bearings_m.map(([x, y]) => [x, -y]);
     responsive(box, 260, `${caption}; number ${sketch.tested + 1} is tested`, (picture, width, height) => {
