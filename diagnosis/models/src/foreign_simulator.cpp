@@ -190,6 +190,7 @@ bool ForeignSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   // Their runs are known, unless a parameter moves for the first time.
   for (const Index i : upstream) {
     auto found = slope(i, values, growth_of(i, values, prediction), prediction);
+    if (!found) found = slope(i, values, 1, prediction);  // as far as the simulation goes
     if (!found) return false;
     derivatives[place_of(i)] = *std::move(found);
   }
