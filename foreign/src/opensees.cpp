@@ -32,6 +32,8 @@ with open("outputs.csv", "w") as file:
 
 std::unique_ptr<Simulation> make_opensees(OpenSeesRunSettings settings) {
   ProgramSettings program;
+  // A run starts in a folder of its own.
+  settings.script = std::filesystem::absolute(settings.script);
   program.command = {settings.python, settings.script.string()};
   if (!settings.function.empty())
     program.command = {settings.python, "-c", kCall, settings.script.string(), settings.function};

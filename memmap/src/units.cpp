@@ -4,7 +4,9 @@
 #include <locale.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -26,8 +28,10 @@ constexpr const char* kSiUnits[] = {"m",     "m/s",    "m/s2",  "N",   "N.m", "P
 
 // UDUNITS treats radians as pure numbers; only the spelling distinguishes an angle from a count.
 bool is_angle(const std::string& unit) {
-  return unit.find("rad") != std::string::npos || unit.find("deg") != std::string::npos ||
-         unit.find("arc") != std::string::npos;
+  constexpr const char* kAngles[] = {"rad",    "deg",   "arc",   "°",   "rev", "rot", "turn",
+                                     "circle", "cycle", "grade", "rpm", "rps", "cps"};
+  return std::any_of(std::begin(kAngles), std::end(kAngles),
+                     [&](const char* angle) { return unit.find(angle) != std::string::npos; });
 }
 
 struct FreeUnit {

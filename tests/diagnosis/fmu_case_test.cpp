@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The user's simulation is an FMU: a mass on a spring, whose steps no model of this project shares.
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <rths/verdict/diagnose.hpp>
@@ -49,6 +51,7 @@ class FmuCase : public ::testing::Test {
 <ScalarVariable name="F" valueReference="2" causality="input"><Real unit="N" start="0"/></ScalarVariable>
 <ScalarVariable name="k" valueReference="3" causality="parameter"><Real unit="N/m" start="2000"/></ScalarVariable>
 <ScalarVariable name="c" valueReference="4" causality="parameter"><Real unit="N.s/m" start="8"/></ScalarVariable>
+<ScalarVariable name="e" valueReference="5" causality="parameter"><Real start="0"/></ScalarVariable>
 </ModelVariables></fmiModelDescription>)";
   }
 
@@ -96,6 +99,21 @@ velocity = "v"
   test_support::CaseFolder folder_;
 };
 
+// Heights of a ball that falls from 1 m, with air drag, by the method of the FMU.
+std::vector<double> ball(double restitution, double drag) {
+  const double h = 0.001;
+  std::vector<double> heights;
+  double x = 1, v = 0;
+  for (int i = 0; i <= 1300; ++i) {
+    if (i % 10 == 0) heights.push_back(x);
+    const double a = -9.81 - drag * std::abs(v) * v;
+    v += h * a;
+    x += h * (v - h / 2 * a);
+    if (x <= 0 && v < 0) x = 0, v *= -restitution;
+  }
+  return heights;
+}
+
 constexpr const char* kAtInput = "force = \"F\"\n";
 
 TEST_F(FmuCase, IsSilentIfNothingIsMissing) {
@@ -104,6 +122,57 @@ TEST_F(FmuCase, IsSilentIfNothingIsMissing) {
   const Verdict silent = verdict(kAtInput);
 
   EXPECT_EQ(silent.conclusion.outcome, Outcome::None) << silent.sentence;
+}
+
+// Its outputs jump with its parameters where a bounce moves by a step.
+TEST_F(FmuCase, OfABallThatBouncesLacksDrag) {
+  for (unsigned k = 0; k < 3; ++k) {
+    auto heights = ball(0.7, 0.08);
+    const auto noise = test_support::noise(k, heights.size(), 2e-3);
+    for (std::size_t i = 0; i < heights.size(); ++i) heights[i] += noise[i];
+    folder_.write(fmt::format("drop{}.csv", k), {{"y", heights}});
+  }
+
+  const Verdict found = diagnose(folder_.load(R"(format = 1
+name = "ball"
+[[record]]
+file = "drop0.csv"
+use = "fit"
+[[record]]
+file = "drop1.csv"
+use = "held_out"
+[[record]]
+file = "drop2.csv"
+use = "held_out"
+[channels]
+rate_Hz = 100
+output.y = "y [m]"
+[noise]
+"output.y" = "0.002 [m]"
+[model]
+kind = "fmu"
+file = "mass"
+step_s = 0.001
+fitted = ["e"]
+[model.outputs]
+"output.y" = "x"
+[model.start]
+x = 1
+F = -9.81
+k = 0
+c = 0
+[model.parameters.e]
+value = 0.68
+bounds = [0.5, 1]
+[model.port.air]
+displacement = "x"
+state = "v"
+)"));
+
+  ASSERT_EQ(found.conclusion.causes.size(), 1U) << found.sentence;
+  EXPECT_EQ(found.conclusion.causes[0].name, "quadratic_drag") << found.sentence;
+  EXPECT_NEAR(found.conclusion.causes[0].parameters[0].value, 0.08, 0.004);
+  EXPECT_NEAR(found.evaluation.refitted.at(0).after, 0.7, 0.003);
 }
 
 TEST_F(FmuCase, IsRefusedIfUnitsOrPortsAreWrong) {

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <regex>
 
 #include <gtest/gtest.h>
 
@@ -165,6 +166,17 @@ TEST_F(ProgramCase, FitsItsParameters) {
   EXPECT_EQ(fitted.conclusion.outcome, Outcome::None) << fitted.sentence;
   ASSERT_EQ(fitted.evaluation.refitted.size(), 1U);
   EXPECT_NEAR(fitted.evaluation.refitted[0].after, 4200, 5);
+}
+
+// A small change of the stiffness changes nothing, or all that ten of it do.
+TEST_F(ProgramCase, FitsAParameterThatItsOutputsFollowInSteps) {
+  write_program(std::regex_replace(kProgram, std::regex{"k \\* x"}, "10 * int(k / 10) * x"));
+  record(4200);
+
+  const Verdict fitted = verdict("fitted = [\"stiffness\"]\n");
+
+  EXPECT_EQ(fitted.conclusion.outcome, Outcome::None) << fitted.sentence;
+  EXPECT_NEAR(fitted.evaluation.refitted.at(0).after, 4200, 10);
 }
 
 TEST_F(ProgramCase, IsRefusedIfItDoesNotPredict) {

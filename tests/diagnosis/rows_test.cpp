@@ -89,6 +89,8 @@ TEST(RowsWithoutTime, ShowABilinearLoop) {
   EXPECT_TRUE(verdict.conclusion.where.bands.empty());
   EXPECT_EQ(verdict.sentence.find(" Hz"), std::string::npos) << verdict.sentence;
   EXPECT_EQ(verdict.sentence.find(" s "), std::string::npos) << verdict.sentence;
+  EXPECT_NE(verdict.sentence.find("the stated noise"), std::string::npos) << verdict.sentence;
+  EXPECT_EQ(verdict.sentence.find("guessed"), std::string::npos) << verdict.sentence;
   for (const auto& name : verdict.terms.searched)
     EXPECT_TRUE(name != "viscous_friction" && name != "viscoelastic_relaxation") << name;
 }

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
  * A unit mass on a spring under a force as an FMU of FMI 2: x'' = F − k x − c v. Its states x and v
- * can be set. With the definition HIDDEN_STATE, it also counts its steps, which no variable shows,
- * and its mass grows. */
+ * can be set. Where e > 0, it bounces from a floor at x = 0 and keeps the share e of its speed.
+ * With the definition HIDDEN_STATE, it also counts its steps, which no variable shows, and its mass
+ * grows. */
 #include <stddef.h>
 #include <string.h>
 
 #include <rths/fmi/fmi2.h>
 
-enum { X, V, F, K, C, END };
+enum { X, V, F, K, C, E, END };
 
 typedef struct {
   double value[END];
@@ -67,6 +68,7 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
 #endif
   value[V] += step * acceleration;
   value[X] += step * (value[V] - step / 2 * acceleration);
+  if (value[E] > 0 && value[X] <= 0 && value[V] < 0) value[X] = 0, value[V] *= -value[E];
   return fmi2OK;
 }
 

@@ -72,6 +72,15 @@ TEST_F(OpenSeesScriptTest, CopiesFilesBesideItsRun) {
   EXPECT_EQ(run(with).outputs[0], (std::vector<double>(4, 0.5)));
 }
 
+TEST_F(OpenSeesScriptTest, MayBeNamedByARelativePath) {
+  auto with = settings("printf '0 0 5\\n2 0 5\\n' > roof.out\n");
+  with.script = std::filesystem::relative(with.script);
+
+  const RunOutputs result = make_opensees(with)->run(four_rows());
+
+  EXPECT_EQ(result.trouble, "");
+}
+
 TEST_F(OpenSeesScriptTest, ReportsWhyItHasNoOutputs) {
   EXPECT_EQ(trouble_of("echo no convergence; exit 3\n"),
             "ended with exit code 3; it wrote: no convergence");

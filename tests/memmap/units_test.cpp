@@ -39,16 +39,16 @@ TEST_P(KnownUnit, ConvertsToItsSiUnit) {
 // Exact by definition: the inch (1959), the pound-force and standard gravity (CGPM 1901).
 INSTANTIATE_TEST_SUITE_P(
     Units, KnownUnit,
-    ::testing::Values(Known{"mm", "m", 1e-3}, Known{"inch", "m", 0.0254},
-                      Known{"kip", "N", 4448.2216152605}, Known{"kN", "N", 1e3},
-                      Known{"gravity", "m/s2", 9.80665}, Known{"kN/gravity", "kg", 1e3 / 9.80665},
-                      Known{"kN.s/cm", "N.s/m", 1e5}, Known{"degree", "rad", 0.017453292519943},
-                      Known{"degree/s2", "rad/s2", 0.017453292519943},
-                      Known{"kip.inch", "N.m", 112.98482902762}, Known{"psi", "Pa", 6894.757293168},
-                      Known{"ms", "s", 1e-3}, Known{"percent", "1", 0.01}, Known{"V", "V", 1},
-                      Known{"1", "1", 1}, Known{"Hz", "Hz", 1}, Known{"s2", "s2", 1},
-                      Known{"kN/mm", "N/m", 1e6}, Known{"litre/s", "m3/s", 1e-3},
-                      Known{"kN/s", "N/s", 1e3}, Known{"bar", "Pa", 1e5}));
+    ::testing::Values(
+        Known{"mm", "m", 1e-3}, Known{"inch", "m", 0.0254}, Known{"kip", "N", 4448.2216152605},
+        Known{"kN", "N", 1e3}, Known{"gravity", "m/s2", 9.80665},
+        Known{"kN/gravity", "kg", 1e3 / 9.80665}, Known{"kN.s/cm", "N.s/m", 1e5},
+        Known{"degree", "rad", 0.017453292519943}, Known{"rpm", "rad/s", 0.10471975511966},
+        Known{"turn", "rad", 6.2831853071796}, Known{"degree/s2", "rad/s2", 0.017453292519943},
+        Known{"kip.inch", "N.m", 112.98482902762}, Known{"psi", "Pa", 6894.757293168},
+        Known{"ms", "s", 1e-3}, Known{"percent", "1", 0.01}, Known{"V", "V", 1}, Known{"1", "1", 1},
+        Known{"Hz", "Hz", 1}, Known{"s2", "s2", 1}, Known{"kN/mm", "N/m", 1e6},
+        Known{"litre/s", "m3/s", 1e-3}, Known{"kN/s", "N/s", 1e3}, Known{"bar", "Pa", 1e5}));
 
 TEST(Unit, ShiftsCelsius) {
   const Unit unit = parse_unit("degC");

@@ -99,6 +99,13 @@ TEST(TermReader, LeavesOutDisabledTerms) {
   EXPECT_TRUE(parsed_terms("[bouc_wen]\nenabled = false\n").empty());
 }
 
+TEST(TermReader, TakesALoopOnOneAxis) {
+  const auto terms = parsed_terms("[bouc_wen]\naxes = [\"long\"]\n");
+
+  ASSERT_EQ(terms.size(), 1U);
+  EXPECT_EQ(terms[0].axes, 0b01U);
+}
+
 TEST(TermReader, ReportsTheLineOfAWrongKeyOrValue) {
   EXPECT_EQ(error_of([] { parsed_terms("[bouc_wen]\nbeta = 1.5\n"); }),
             "b.toml:2:8: beta is 1.5, expected 0 to 1");

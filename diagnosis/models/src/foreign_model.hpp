@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,12 @@ class ForeignModel {
       const std::vector<foreign::RunInputs>& wanted) const {
     return runs_->results(wanted);
   }
+  /// Growth of the steps of differences, by free parameter: kept from where one first moves.
+  [[nodiscard]] std::optional<double> growth_of(const std::string& free) const {
+    const auto known = growth_.find(free);
+    return known == growth_.end() ? std::nullopt : std::optional{known->second};
+  }
+  void keep_growth(const std::string& free, double growth) const { growth_[free] = growth; }
   /// "The simulation ran 312 times, of 2000 that are allowed."
   [[nodiscard]] std::string note() const;
 
@@ -49,6 +57,7 @@ class ForeignModel {
 
   ForeignReading read_;
   std::unique_ptr<foreign::Runs> runs_;
+  mutable std::map<std::string, double> growth_;
 };
 
 /// The model of a foreign simulation: its outputs as if they were recorded, terms at its inputs and

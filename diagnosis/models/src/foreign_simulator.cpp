@@ -2,6 +2,7 @@
 #include "foreign_simulator.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -123,13 +124,45 @@ bool ForeignSimulator::take(const foreign::RunOutputs& run) const {
   return true;
 }
 
-double ForeignSimulator::step_of(Index free, const VectorXd& values) const {
+double ForeignSimulator::step_of(Index free, const VectorXd& values, double growth) const {
   constexpr double kStep = 1e-2;  // of the scale
   const auto i = static_cast<std::size_t>(free);
   double step = kStep * free_[i].scale;
   if (parameter_[i] && model_.parameters[*parameter_[i]].step > 0)
     step = model_.parameters[*parameter_[i]].step;
+  step = std::min(step * growth, 0.5 * (free_[i].high - free_[i].low));
   return values[free] + step > free_[i].high ? -step : step;
+}
+
+std::optional<MatrixXd> ForeignSimulator::slope(Index free, const VectorXd& values, double growth,
+                                                const MatrixXd& prediction) const {
+  VectorXd point = values;
+  point[free] += step_of(free, values, growth);
+  MatrixXd beside;
+  std::vector<MatrixXd> none;
+  if (!take(foreign_.results({run_at(point)})[0]) || !outputs_.run(point, {}, beside, none))
+    return std::nullopt;
+  return (beside - prediction) / (point[free] - values[free]);
+}
+
+double ForeignSimulator::growth_of(Index free, const VectorXd& values,
+                                   const MatrixXd& prediction) const {
+  constexpr double kChange = 0.03;                // of an output, where it is linear but for events
+  constexpr double kToScale = 100, kMost = 1000;  // growth
+  const auto i = static_cast<std::size_t>(free);
+  if (const auto known = foreign_.growth_of(free_[i].name)) return *known;
+  double growth = 1;
+  const bool is_stated = parameter_[i] && model_.parameters[*parameter_[i]].step > 0;
+  if (const auto found = slope(free, values, growth, prediction); found && !is_stated) {
+    double change = 0;
+    for (Index k = 0; k < prediction.cols(); ++k)
+      if (const double size = prediction.col(k).norm(); size > 0)
+        change = std::max(change, found->col(k).norm() / size);
+    change *= std::abs(step_of(free, values, growth));
+    growth = change > 0 ? std::clamp(kChange / change, 1.0, kMost) : kToScale;
+  }
+  foreign_.keep_growth(free_[i].name, growth);
+  return growth;
 }
 
 bool ForeignSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
@@ -141,7 +174,8 @@ bool ForeignSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   std::vector<foreign::RunInputs> runs;
   for (const Index i : upstream) {
     points.push_back(values);
-    points.back()[i] += step_of(i, values);
+    points.back()[i] +=
+        step_of(i, values, foreign_.growth_of(free_[static_cast<std::size_t>(i)].name).value_or(1));
   }
   for (const auto& point : points) runs.push_back(run_at(point));
   const auto results = foreign_.results(runs);
@@ -153,12 +187,12 @@ bool ForeignSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   };
   for (std::size_t i = 0; i < downstream.size(); ++i)
     derivatives[place_of(downstream[i])] = std::move(of_terms[i]);
-  for (std::size_t i = 0; i < upstream.size(); ++i) {
-    MatrixXd beside;
-    const VectorXd& point = points[i + 1];
-    if (!take(results[i + 1]) || !outputs_.run(point, {}, beside, of_terms)) return false;
-    derivatives[place_of(upstream[i])] =
-        (beside - prediction) / (point[upstream[i]] - values[upstream[i]]);
+  // Their runs are known, unless a parameter moves for the first time.
+  for (const Index i : upstream) {
+    auto found = slope(i, values, growth_of(i, values, prediction), prediction);
+    if (!found) found = slope(i, values, 1, prediction);  // as far as the simulation goes
+    if (!found) return false;
+    derivatives[place_of(i)] = *std::move(found);
   }
   return true;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "dynamic_simulator.hpp"
@@ -28,7 +29,14 @@ class ForeignSimulator final : public Simulator {
   /// Takes the outputs of a run as those that the terms at the outputs distort.
   [[nodiscard]] bool take(const foreign::RunOutputs& run) const;
   /// Step of a difference, within the bounds of the parameter.
-  [[nodiscard]] double step_of(Index free, const VectorXd& values) const;
+  [[nodiscard]] double step_of(Index free, const VectorXd& values, double growth) const;
+  /// Derivative by a parameter, rows × outputs; none if the run fails.
+  [[nodiscard]] std::optional<MatrixXd> slope(Index free, const VectorXd& values, double growth,
+                                              const MatrixXd& prediction) const;
+  /// Growth of a step until it changes an output by some per cent: outputs of a simulation in fixed
+  /// steps jump with its parameters where an event moves by a step, and a small step sees no jump.
+  [[nodiscard]] double growth_of(Index free, const VectorXd& values,
+                                 const MatrixXd& prediction) const;
 
   const DynamicModel& model_;
   const ForeignModel& foreign_;
