@@ -101,16 +101,43 @@ const save = (() => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
 
+  // With #figures, the page turns into its figures, for a program: name and base64 of a file on each line.
+  const offered = [];
+  const base64 = blob => new Promise(resolve => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(reader.result.slice(reader.result.indexOf(",") + 1));
+    reader.readAsDataURL(blob);
+  });
+  const handOver = async () => {
+    const open = el("iframe");  // as long as it is not closed, the page counts as not loaded, and the program waits
+    document.body.append(open);
+    open.contentDocument.open();
+    for (const fold of document.querySelectorAll("details")) fold.open = true;
+    const lines = [], used = {};
+    try {
+      for (const { name, makers } of offered) {
+        used[name] = (used[name] || 0) + 1;
+        const own = used[name] > 1 ? `${name}_${used[name]}` : name;
+        for (const [kind, make] of Object.entries(makers)) lines.push(`${own}.${kind.toLowerCase()} ${await base64(await make())}`);
+      }
+      document.body.replaceChildren(el("pre", { id: "figures", textContent: `\n${lines.join("\n")}\n` }));
+    } finally {
+      open.remove();
+    }
+  };
+  addEventListener("DOMContentLoaded", () => { if (location.hash === "#figures") handOver(); });
+
   // Buttons at the caption of a figure. `content` is {picture, table}: functions, asked when a button is pressed.
   const offer = (box, content) => {
     const caption = box.querySelector("figcaption"), title = caption.firstChild.textContent;
-    const name = title.toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_+|_+$/g, "");
+    const name = title.normalize("NFKD").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_+|_+$/g, "");
     const picture = () => onPaper(content.picture);
     const makers = {
       PNG: () => pngOf(picture()),
       SVG: () => new Blob([serialised(picture())], { type: "image/svg+xml" }),
       CSV: () => new Blob([csvOf(content.table())], { type: "text/csv" }),
     };
+    offered.push({ name, makers });
     caption.append(el("span", { className: "save" }, ...Object.entries(makers).map(([kind, make]) => {
       const button = el("button", { type: "button", textContent: kind, title: `save this figure as ${kind}` });
       button.addEventListener("click", async () => leave(`${name}.${kind.toLowerCase()}`, await make()));
