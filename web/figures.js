@@ -82,7 +82,7 @@ const figures = (() => {
     };
     draw();
     new ResizeObserver(() => requestAnimationFrame(draw)).observe(box);
-    theme.onChange(resized => { if (resized) draw(); plot.redraw(false); });
+    theme.onChange(resized => { if (resized) draw(); plot.redraw(false, true); });  // with the ticks of this width
   };
 
   // --- legend, readout, zoom ---------------------------------------------------------------------
