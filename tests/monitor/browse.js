@@ -178,7 +178,7 @@ const questions = {
   },
   restart: async () => {
     await until(() => byId("state").textContent.includes("live"));
-    say("ended", await until(() => byId("state").textContent.includes("has ended")));
+    say("ended", await until(() => byId("state").textContent.includes("has ended")) && shown().split(",")[0]);
     say("another", await until(() => byId("state").textContent.includes("another ring")));
     await search("extra.4");
     say("its words", rows().length);
