@@ -82,7 +82,7 @@ const figures = (() => {
     };
     draw();
     new ResizeObserver(() => requestAnimationFrame(draw)).observe(box);
-    theme.onChange(resized => { if (resized) draw(); plot.redraw(false); });
+    theme.onChange(resized => { if (resized) draw(); plot.redraw(false, true); });  // with the ticks of this width
   };
 
   // --- legend, readout, zoom ---------------------------------------------------------------------
@@ -336,7 +336,7 @@ const figures = (() => {
     const viewOf = ({ min, max }) => [min, max];
     save.curves(box, () => ({ caption, xLabel, yLabel, logX: options.logX, logY: options.logY,
       view: { x: viewOf(plot.scales.x), y: viewOf(plot.scales.y) },
-      curves: curves.map(c => ({ ...c, x, y: c.shown || c.y })).filter((c, i) => c.label && plot.series[i + 1].show) }));
+      curves: curves.map(c => ({ ...c, x })).filter((c, i) => c.label && plot.series[i + 1].show) }));
     fit(box, plot, width => Math.round(options.height || Math.min(Math.max(width * 0.62, 220), 280)));
     plot.over.addEventListener("mouseleave", () => tell(0, 0, "", null));
     return plot;

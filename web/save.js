@@ -18,7 +18,7 @@ const save = (() => {
     return list;
   };
 
-  // A picture of curves {label, color, dash, width, x, y} in the given view.
+  // A picture of curves {label, color, dash, width, fill, x, y} in the given view.
   const pictureOf = ({ caption, xLabel, yLabel, curves, view, logX, logY }) => {
     const { svg } = charts, [width, height] = [WIDTH, HEIGHT + 18 * Math.ceil(curves.length / 3 - 1)];
     const top = BOX.top + height - HEIGHT, bottom = height - BOX.bottom, right = width - BOX.right;
@@ -48,6 +48,7 @@ const save = (() => {
         if (isPoint) d += `${isOpen ? "L" : "M"}${x(c.x[k]).toFixed(1)} ${y(c.y[k]).toFixed(1)}`;
         isOpen = isPoint;
       }
+      if (c.fill && d) drawn.append(svg("path", { d: `${d}L${x(c.x[c.x.length - 1])} ${bottom}L${x(c.x[0])} ${bottom}Z`, fill: theme.color(c.fill), stroke: "none" }));
       drawn.append(svg("path", { d, ...style }));
       const at = [BOX.left + (i % 3) * 225, 42 + 18 * Math.floor(i / 3)];
       picture.append(line(at[0], at[1] - 4, at[0] + 24, at[1] - 4, style), text([at[0] + 30, at[1]], c.label));
@@ -77,11 +78,11 @@ const save = (() => {
     return /[",\n]/.test(value) ? `"${String(value).replaceAll('"', '""')}"` : typeof value === "number" ? String(+value.toPrecision(7)) : value;
   };
   const csvOf = ({ head, rows }) => [head, ...rows].map(row => row.map(cell).join(",")).join("\n") + "\n";
-  // One column of x where all curves share it, else a pair of columns for each curve.
+  // Of stacked curves, the parts that are `shown`. One column of x where all curves share it, else a pair of columns for each curve.
   const tableOf = ({ xLabel, yLabel, curves }) => {
     const isShared = curves.every(c => c.x === curves[0].x);
-    const columns = isShared ? [[xLabel, curves[0].x], ...curves.map(c => [`${c.label}: ${yLabel}`, c.y])]
-      : curves.flatMap(c => [[`${c.label}: ${xLabel}`, c.x], [`${c.label}: ${yLabel}`, c.y]]);
+    const columns = isShared ? [[xLabel, curves[0].x], ...curves.map(c => [`${c.label}: ${yLabel}`, c.shown || c.y])]
+      : curves.flatMap(c => [[`${c.label}: ${xLabel}`, c.x], [`${c.label}: ${yLabel}`, c.shown || c.y]]);
     const rows = Array.from({ length: Math.max(...columns.map(([, values]) => values.length)) }, (_, i) => columns.map(([, values]) => values[i]));
     return { head: columns.map(([name]) => name), rows };
   };
@@ -101,16 +102,43 @@ const save = (() => {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
 
+  // With #figures, the page turns into its figures, for a program: name and base64 of a file on each line.
+  const offered = [];
+  const base64 = blob => new Promise(resolve => {
+    const reader = new FileReader();
+    reader.onload = () => resolve(reader.result.slice(reader.result.indexOf(",") + 1));
+    reader.readAsDataURL(blob);
+  });
+  const handOver = async () => {
+    const open = el("iframe");  // as long as it is not closed, the page counts as not loaded, and the program waits
+    document.body.append(open);
+    open.contentDocument.open();
+    for (const fold of document.querySelectorAll("details")) fold.open = true;
+    const lines = [], used = {};
+    try {
+      for (const { name, makers } of offered) {
+        used[name] = (used[name] || 0) + 1;
+        const own = used[name] > 1 ? `${name}_${used[name]}` : name;
+        for (const [kind, make] of Object.entries(makers)) lines.push(`${own}.${kind.toLowerCase()} ${await base64(await make())}`);
+      }
+      document.body.replaceChildren(el("pre", { id: "figures", textContent: `\n${lines.join("\n")}\n` }));
+    } finally {
+      open.remove();
+    }
+  };
+  addEventListener("DOMContentLoaded", () => { if (location.hash === "#figures") handOver(); });
+
   // Buttons at the caption of a figure. `content` is {picture, table}: functions, asked when a button is pressed.
   const offer = (box, content) => {
     const caption = box.querySelector("figcaption"), title = caption.firstChild.textContent;
-    const name = title.toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_+|_+$/g, "");
+    const name = title.normalize("NFKD").toLowerCase().replace(/[^a-z0-9]+/g, "_").replace(/^_+|_+$/g, "");
     const picture = () => onPaper(content.picture);
     const makers = {
       PNG: () => pngOf(picture()),
       SVG: () => new Blob([serialised(picture())], { type: "image/svg+xml" }),
       CSV: () => new Blob([csvOf(content.table())], { type: "text/csv" }),
     };
+    offered.push({ name, makers });
     caption.append(el("span", { className: "save" }, ...Object.entries(makers).map(([kind, make]) => {
       const button = el("button", { type: "button", textContent: kind, title: `save this figure as ${kind}` });
       button.addEventListener("click", async () => leave(`${name}.${kind.toLowerCase()}`, await make()));

@@ -3,8 +3,9 @@
 const theme = (() => {
   const style = getComputedStyle(document.documentElement);
   const color = name => style.getPropertyValue(`--${name}`).trim();
-  const pictures = [];  // functions that draw again; an argument asks for the width of the page, too
-  const onChange = draw => pictures.push(draw);
+  const pictures = new Set();  // functions that draw again; an argument asks for the width of the page, too
+  const onChange = draw => pictures.add(draw);
+  const forget = draw => pictures.delete(draw);
   const drawAll = fit => { for (const draw of pictures) draw(fit); };
 
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => drawAll(false));
@@ -20,5 +21,5 @@ const theme = (() => {
   const css = name => `var(--${name.replace(" ", "-")})`;
   const ink = name => color(name.replace(" ", "-"));
 
-  return { color: ink, css, DASH, onChange };
+  return { color: ink, css, DASH, pictures, onChange, forget };
 })();

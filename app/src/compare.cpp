@@ -8,6 +8,7 @@
 #include <rths/session/why.hpp>
 
 #include "command.hpp"
+#include "figures.hpp"
 #include "shown_progress.hpp"
 
 namespace rths::app {
@@ -21,7 +22,8 @@ struct CompareArguments {
   std::size_t most = 20;  ///< signals to list
   bool is_json = false;
   bool asks_why = false;
-  std::string page;  ///< HTML file; empty: none
+  std::optional<std::string> page;  ///< HTML file
+  FiguresArguments figures;
 };
 
 void complete(CompareArguments& a) {
@@ -44,7 +46,8 @@ session::Difference difference_of(const report::ComparedRuns& found) {
 }
 
 int compare(const CompareArguments& a) {
-  if (!a.page.empty()) check_result_file(a.page);
+  if (a.page) check_result_file(*a.page);
+  a.figures.check();
   const auto found = report::compare(session::recording_in(a.baseline),
                                      session::recording_in(a.other), a.settings);
   if (!a.is_json) fmt::print("{}", report::text_of(found, a.most));
@@ -56,9 +59,12 @@ int compare(const CompareArguments& a) {
     if (!a.is_json) fmt::print("{}", session::text_of(difference));
   }
   if (a.is_json) fmt::print("{}", report::json_of(found, why));
-  if (!a.page.empty()) {
-    write_file(a.page, report::comparison_page(found, a.most, why));
-    if (!a.is_json) fmt::print("page {}\n", a.page);
+  if (a.page) {
+    write_file(*a.page, report::comparison_page(found, a.most, why));
+    if (!a.is_json) fmt::print("page {}\n", *a.page);
+    std::fflush(stdout);
+    const std::string figures = a.figures.write(*a.page);
+    if (!a.is_json) fmt::print("{}", figures);
   }
   return found.broken() == 0 ? kOk : kConditionNotMet;
 }
@@ -91,8 +97,9 @@ void add_compare(CommandLine& line) {
       ->capture_default_str();
   command->add_option("--from", a.settings.from, "First time of the baseline [s]");
   command->add_option("--to", a.settings.to, "Last time of the baseline [s]");
-  command->add_option("--page", a.page,
-                      "Also write a page: settings, figures, curves and their difference");
+  auto* page = command->add_option(
+      "--page", a.page, "Also write a page: settings, figures, curves and their difference");
+  add_figures(*command, a.figures)->needs(page);
   command->add_option("--most", a.most, "Signals to list and to draw")->capture_default_str();
   command->add_flag("--why", a.asks_why,
                     "Also say why they differ: a mistake of signals, or a diagnosis of the other "

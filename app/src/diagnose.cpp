@@ -7,6 +7,7 @@
 #include <rths/session/live.hpp>
 
 #include "command.hpp"
+#include "figures.hpp"
 #include "shown_progress.hpp"
 
 namespace rths::app {
@@ -19,6 +20,7 @@ struct DiagnoseArguments {
   bool json = false;
   bool is_live = false;                                ///< the case is the ring of a running test
   double interval = session::LiveSettings{}.interval;  ///< between two looks at it [s]
+  FiguresArguments figures;
 };
 
 int diagnose_live(const DiagnoseArguments& arguments) {
@@ -46,6 +48,7 @@ int diagnose(const DiagnoseArguments& arguments) {
     fmt::print("{}", report::plan_summary(session::plan(arguments.settings)));
     return kOk;
   }
+  arguments.figures.check();
   ShownProgress progress{arguments.progress ? Steps::Silent::Nowhere : Steps::Silent::OffTerminals};
   const auto result = session::diagnose(arguments.settings, progress.functions());
   progress.end();
@@ -53,6 +56,9 @@ int diagnose(const DiagnoseArguments& arguments) {
     fmt::print("{}", session::json_of(result));
   else
     print(result);
+  std::fflush(stdout);
+  const std::string figures = arguments.figures.write(result.files.page);
+  if (!arguments.json) fmt::print("{}", figures);
   return kOk;
 }
 
@@ -83,7 +89,8 @@ void add_diagnose(CommandLine& line) {
   auto* json = command->add_flag("--json", a.json, "One JSON document instead of lines");
   auto* live = command->add_flag("--live", a.is_live,
                                  "Diagnose a running test on its data so far, until it ends");
-  live->excludes(against)->excludes(plan)->excludes(json);
+  auto* figures = add_figures(*command, a.figures)->excludes(plan);
+  live->excludes(against)->excludes(plan)->excludes(json)->excludes(figures);
   command->add_option("--every-s", a.interval, "With --live: time from one look to the next")
       ->check(CLI::Range(1.0, 86400.0))
       ->capture_default_str()

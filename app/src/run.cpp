@@ -17,6 +17,7 @@
 #include <rths/session/run.hpp>
 
 #include "command.hpp"
+#include "figures.hpp"
 #include "shown_progress.hpp"
 
 namespace rths::app {
@@ -38,6 +39,7 @@ struct NodeArguments {
 
 struct ReportArguments {
   std::string folder, beside;
+  FiguresArguments figures;
 };
 
 std::string text_of(const report::ReportOutcome& written) {
@@ -180,8 +182,11 @@ int node(const NodeArguments& arguments) {
 }
 
 int report(const ReportArguments& arguments) {
+  arguments.figures.check();
   const auto written = session::report(arguments.folder, arguments.beside);
   fmt::print("{}", text_of(written));
+  std::fflush(stdout);
+  fmt::print("{}", arguments.figures.write(written.page));
   return written.conclusive ? kOk : kConditionNotMet;
 }
 
@@ -250,6 +255,7 @@ void add_report(CommandLine& line) {
   command->add_option("folder", a.folder, "Folder of the run")->required();
   command->add_option("--beside", a.beside,
                       "Folder of another run, to show its response and spectra, too");
+  add_figures(*command, a.figures);
 }
 
 }  // namespace rths::app

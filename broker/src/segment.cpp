@@ -180,6 +180,7 @@ JournalView Segment::journal(std::uint32_t index) {
 
 std::unique_ptr<Segment> Segment::create_shared(const std::string& name, const memmap::Map& map,
                                                 std::uint32_t journal_bits) {
+  check_ring_name(name);
   const std::string text = map.to_toml();
   Header header = plan_layout(map, text, journal_bits);
   header.creator = own_claim();

@@ -8,8 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <cstring>
 #include <filesystem>
+
+#include <fmt/format.h>
 
 #include <rths/broker/detail/lost_memory.hpp>
 #include <rths/core/error.hpp>
@@ -32,6 +35,12 @@ struct stat status_of(int descriptor) {
 }
 
 }  // namespace
+
+void check_ring_name(const std::string& ring) {
+  if (ring.find('/') != std::string::npos || object_name(ring).size() > NAME_MAX)
+    throw Error{fmt::format("no ring can have the name '{}', expected at most {} bytes without '/'",
+                            ring, NAME_MAX - object_name("").size())};
+}
 
 std::string object_name(const std::string& ring) { return "rths." + ring; }
 

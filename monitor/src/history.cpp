@@ -18,7 +18,7 @@ History::History(std::size_t words, std::size_t bytes, Slot first)
   const std::size_t of_a_row = std::max<std::size_t>(1, words * sizeof(Extent) * kLevels);
   while (capacity_ < kMost && 2 * capacity_ * of_a_row <= bytes) capacity_ *= 2;
   for (auto& level : levels_) {
-    level.rows = std::make_unique_for_overwrite<Extent[]>(capacity_ * words);
+    level.rows = std::make_unique<Extent[]>(capacity_ * words);
     level.pending.assign(words, kUnknown);
   }
 }

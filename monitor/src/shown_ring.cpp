@@ -63,8 +63,10 @@ ShownRing::ShownRing(std::string ring, RolesOf roles_of, std::vector<ShownLimits
     : wanted_{std::move(ring)},
       roles_of_{std::move(roles_of)},
       limits_{std::move(limits)},
-      history_bytes_{history_bytes},
-      thread_{[this] { run(); }} {}
+      history_bytes_{history_bytes} {
+  broker::check_ring_name(wanted_);
+  thread_ = std::thread{[this] { run(); }};
+}
 
 ShownRing::~ShownRing() {
   ends_.store(true);

@@ -218,7 +218,9 @@ const moving = (() => {
     };
     resize();
     new ResizeObserver(() => requestAnimationFrame(resize)).observe(box);
-    theme.onChange(() => { if (box.isConnected) plot.redraw(false); });
+    const redraw = () => plot.redraw(false);
+    theme.onChange(redraw);
+    return redraw;
   };
   const legend = (box, curves, toggle) => curves.map((curve, i) => {
     const shown = el("b");
@@ -293,8 +295,8 @@ const moving = (() => {
       tellValues(plot);
       box.setAttribute("aria-label", `${caption}: ${styled.map((c, n) => `${c.label} ${values[n].textContent} ${scale.unit}`).join(", ")}.`);
     };
-    const figure = { box, plot, draw, words: styled.flatMap(c => c.words || [c.word]), values };
-    fit(box, plot, () => options.height || 220);
+    const redraw = fit(box, plot, () => options.height || 220);
+    const figure = { box, plot, draw, redraw, words: styled.flatMap(c => c.words || [c.word]), values };
     shownFigures.add(figure);
     return figure;
   };
@@ -335,14 +337,15 @@ const moving = (() => {
       const size = (key, label) => `${quantities.brief(view[key][0] * scales[key].factor)} to ${quantities.brief(view[key][1] * scales[key].factor)} ${scales[key].unit}${label}`;
       box.setAttribute("aria-label", `${caption}: ${size("x", "")}, ${size("y", "")}.`);
     };
-    const figure = { box, plot, draw, words: [x.word, y.word] };
-    fit(box, plot, width => Math.round(Math.min(width * 0.8, 340)));
+    const redraw = fit(box, plot, width => Math.round(Math.min(width * 0.8, 340)));
+    const figure = { box, plot, draw, redraw, words: [x.word, y.word] };
     shownFigures.add(figure);
     return figure;
   };
 
   const remove = figure => {
     shownFigures.delete(figure);
+    theme.forget(figure.redraw);
     figure.plot.destroy();
     figure.box.remove();
   };

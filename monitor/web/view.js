@@ -38,7 +38,8 @@
     if ([...byId("span").options].some(o => +o.value === span)) byId("span").value = String(span);
     else byId("span").selectedIndex = -1;
     byId("scroll").value = to === null || !live.state.now ? 1000 : Math.round(to / live.state.now * 1000);
-    byId("shown").textContent = `${to === null ? "live" : "paused"}, ${Math.max(0, from).toFixed(2)} to ${Math.max(0, end).toFixed(2)} s`;
+    const kind = to !== null ? "paused" : live.state.status?.live === false ? "ended" : "live";
+    byId("shown").textContent = `${kind}, ${Math.max(0, from).toFixed(2)} to ${Math.max(0, end).toFixed(2)} s`;
   };
   byId("pause").addEventListener("click", live.pause);
   byId("back").addEventListener("click", () => live.scroll(-0.25));
@@ -52,6 +53,7 @@
   });
   live.on("view", showView);
   live.on("values", showView);
+  live.on("status", showView);
 
   const KEYS = {
     " ": live.pause, ArrowLeft: () => live.scroll(-0.25), ArrowRight: () => live.scroll(0.25), "+": () => live.zoom(0.5), "-": () => live.zoom(2),

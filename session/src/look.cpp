@@ -47,10 +47,11 @@ std::string missing_for_a_verdict(const Progressed& so_far) {
                      kLeastMotion);
 }
 
+// The answers stand together, since those of the next look follow.
 std::string text_of(const diagnosis::Verdict& verdict) {
-  const std::string& next = verdict.next.text;
-  const bool is_said = next.empty() || verdict.sentence.find(next) != std::string::npos;
-  return is_said ? verdict.sentence : fmt::format("{} Next test: {}.", verdict.sentence, next);
+  std::string text = report::answers_text(verdict);
+  replace_all(text, "\n\n", "\n");
+  return text;
 }
 
 }  // namespace

@@ -26,7 +26,7 @@ struct Look {
   enum class Kind { Verdict, TooEarly, Paused, Failed };
   Kind kind = Kind::Failed;
   double time = 0;   ///< model time of the data [s]
-  std::string text;  ///< of the verdict with its next test; what is missing; the error
+  std::string text;  ///< headline and answers; what is missing; the error
 
   [[nodiscard]] std::string to_text() const;
   [[nodiscard]] static Look from_text(const std::string& text);

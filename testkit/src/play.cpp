@@ -29,16 +29,27 @@ constexpr Duration kAwaitedLook = std::chrono::milliseconds{5};
 
 // "key=value key=value" as a table. A value that is a number is one.
 Config table_of(const std::string& fault) {
-  Config table = Config::parse("", fault);
+  Config table = Config::parse("", "");
   for (const auto word : cells_of(fault, ' ')) {
     const auto pair = key_value(std::string{word});
     if (!pair) throw Error{fmt::format("fault '{}': expected key=value, found '{}'", fault, word)};
-    if (number_of(pair->second))
-      table.set(pair->first, pair->second);
+    if (const auto number = number_of(pair->second))
+      table.set(pair->first, fmt::format("{}", *number));
     else
       table.put(pair->first, pair->second);
   }
   return table;
+}
+
+recording::MessageFault fault_of(const std::string& text, const memmap::Map& map) {
+  const Config table = table_of(text);
+  try {
+    return recording::read_message_fault(table, map);
+  } catch (const Error& error) {
+    // Without its place in a file: there is none.
+    const std::string message = error.what();
+    throw Error{fmt::format("fault '{}': {}", text, message.substr(message.find(": ") + 2))};
+  }
 }
 
 bool is_monitor(const memmap::Partition& partition) {
@@ -169,7 +180,7 @@ std::vector<std::vector<RecordedWord>> words_with_faults(const PlaySettings& set
     all.push_back(
         recording::of_file(settings.recording, [&] { return recording::words_of(run, node); }));
   for (const auto& text : settings.faults) {
-    const auto fault = recording::read_message_fault(table_of(text), run.map());
+    const auto fault = fault_of(text, run.map());
     const auto found = std::find(settings.nodes.begin(), settings.nodes.end(), fault.node);
     if (found == settings.nodes.end())
       throw Error{fmt::format("fault '{}': node '{}' is not played", text, fault.node)};

@@ -295,5 +295,24 @@ TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownWithoutAFor
   EXPECT_LT(verdict.descriptions[0].share, 0.5);
 }
 
+// Cases of strangers that end within seconds.
+class Stranger : public testing::TestWithParam<const char*> {};
+
+TEST_P(Stranger, GetsAVerdictThatIsReadInAMinute) {
+  const fs::path folder = test::source_tree() / "../shared/data/diagnosis_cases" / GetParam();
+  if (!fs::exists(folder)) GTEST_SKIP() << "SKIPPED: there is no " << folder;
+
+  const Verdict verdict = diagnose(load_case(folder), {});
+
+  const Answers answers = answers_of(verdict);
+  std::printf("  %s\n  %.1f s\n", answers.headline.c_str(), verdict.seconds);
+  EXPECT_EQ(test::unreadable(answers.headline, {answers.missing, answers.certainty, answers.next}),
+            "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Corpus, Stranger,
+                         testing::Values("plate_damper", "rocking_wall", "synthetic_coarse_rows",
+                                         "synthetic_coarser_rows"));
+
 }  // namespace
 }  // namespace rths::diagnosis

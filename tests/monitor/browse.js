@@ -177,13 +177,15 @@ const questions = {
     say("listed", await until(() => byId("test-events").querySelector(".bad")));
   },
   restart: async () => {
-    await until(() => byId("state").textContent.includes("live"));
-    say("ended", await until(() => byId("state").textContent.includes("has ended")));
+    await until(() => byId("state").textContent.includes("live") && moving.all.size > 3);
+    const before = theme.pictures.size;
+    say("ended", await until(() => byId("state").textContent.includes("has ended")) && shown().split(",")[0]);
     say("another", await until(() => byId("state").textContent.includes("another ring")));
     await search("extra.4");
     say("its words", rows().length);
     byId("tab-test").click();
     say("moves", await until(() => valueIn(find("Displacement, longitudinal")) !== "–"));
+    say("keeps no figure of the first", theme.pictures.size === before && moving.all.size <= before);
   },
 };
 for (const name of asked) await questions[name]();

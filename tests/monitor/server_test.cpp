@@ -308,6 +308,17 @@ TEST(Server, RefusesAnAddressOrATokenThatIsNone) {
             "the token has other characters, expected letters, digits, '-' and '_'");
 }
 
+TEST(Server, DoesNotWaitForARingWhoseNameIsImpossible) {
+  const auto error = [](const std::string& ring) {
+    return test::error_of([&] { PageServer{settings_for(ring)}; });
+  };
+
+  EXPECT_EQ(error("a/b"),
+            "no ring can have the name 'a/b', expected at most 250 bytes without '/'");
+  EXPECT_NE(error(std::string(251, 'a')), "");
+  EXPECT_EQ(error(std::string(250, 'a')), "");
+}
+
 TEST(Server, ComparesTwoRuns) {
   const test::TemporaryFolder folder;
   for (const char* run : {"a", "b"}) std::filesystem::create_directory(folder.path() / run);

@@ -77,6 +77,25 @@ TEST(Headline, TellsTheVariableOfAnUnknownEffect) {
             "named; the force error stays at 6.8 %.");
 }
 
+TEST(Headline, CallsAChannelByAReadableName) {
+  for (const auto& [label, called] :
+       {std::pair{"auxiliary.pressure [Pa]", "pressure"},
+        {"force.long [N]", "longitudinal force"},
+        {"rate of auxiliary.oil_temperature [K]", "rate of oil temperature"}}) {
+    Verdict verdict = unknown_verdict();
+    verdict.descriptions[0].x_label = label;
+    verdict.descriptions[0].form = "change of bouc_wen.yield_displacement at 1390.0 s";
+
+    EXPECT_NE(answers_of(verdict).headline.find(std::string{" depends on "} + called + ","),
+              std::string::npos)
+        << answers_of(verdict).headline;
+    EXPECT_NE(answers_of(verdict).missing.find("change of yield displacement at 1390.0 s"),
+              std::string::npos)
+        << answers_of(verdict).missing;
+    EXPECT_EQ(unreadable(verdict), "");
+  }
+}
+
 TEST(Headline, CallsATestedDeviceByItsKind) {
   Verdict verdict = untied_verdict();
   verdict.specimen = "device";

@@ -153,6 +153,8 @@ TEST_F(Live, NamesTheConcealedEffectBeforeTheEnd) {
             std::string::npos)
       << found.out;
   EXPECT_NE(found.out.find("too early: "), std::string::npos) << found.out;
+  for (const char* answer : {"\nmissing   ", "\nsure      ", "\nnow       "})
+    EXPECT_NE(found.out.find(answer), std::string::npos) << answer << found.out;
   EXPECT_NE(found.out.find("the test has ended (completed), at 3.2"), std::string::npos)
       << found.out;
   EXPECT_EQ(test::json_of(out_ / "verdict.json")["causes"][0]["name"], "axial_load_strength");

@@ -64,6 +64,12 @@ inline std::string unreadable(const std::string& headline,
         "a confidence instead of how often it is right");
   fault(std::regex_search(all, std::regex{R"(\dE?e[-+]\d)"}), "a number has an exponent");
   fault(std::regex_search(all, std::regex{R"(\bnan\b)"}), "a number is missing");
+  fault(
+      std::regex_search(
+          all,
+          std::regex{
+              R"(\b(auxiliary|force|displacement|velocity|acceleration|input|output|\w+_\w+)\.[a-z])"}),
+      "a channel or parameter has its name of code");
   // An error of the headline is that of the second answer.
   for (const auto& share : percentages_in(headline))
     if (answers.size() > 1 && headline.find(" by " + share) == std::string::npos)

@@ -139,6 +139,18 @@ TEST_F(PlayedRecording, IsRefusedInOneLineAndLeavesNothing) {
   EXPECT_EQ(error(), "fault 'kind=flip signal=machine.force bit=1': node 'machine' is not played");
   settings.faults = {"flip"};
   EXPECT_EQ(error(), "fault 'flip': expected key=value, found 'flip'");
+  settings.faults = {""};
+  EXPECT_EQ(error(), "fault '': 'kind' is missing");
+  settings.faults = {"kind=flip signal=solver.displacement bit=99"};
+  EXPECT_EQ(error(),
+            "fault 'kind=flip signal=solver.displacement bit=99': bit is 99, expected 0 to 31");
+  settings.faults = {"kind=flip signal=solver.displacement bit=07 at_s=x"};
+  EXPECT_EQ(error(),
+            "fault 'kind=flip signal=solver.displacement bit=07 at_s=x': at_s is a string, "
+            "expected a number");
+  settings.faults = {"kind=flip signal=nothing bit=1"};
+  EXPECT_EQ(error(),
+            "fault 'kind=flip signal=nothing bit=1': map 'two_signals' has no signal 'nothing'");
   settings.faults = {};
   settings.awaited = {"machine"};
   settings.longest_wait = 0;

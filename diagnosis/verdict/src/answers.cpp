@@ -68,11 +68,43 @@ std::string spoken(std::string name) {
   return name;
 }
 
-// Titles without their remarks in brackets; names with their channel, "offset at input.u".
+// "pressure" of "auxiliary.pressure", "longitudinal force" of "force.long", "yield displacement" of
+// "bouc_wen.yield_displacement": what a name with dots is called.
+std::string spoken_role(const std::string& name) {
+  constexpr std::pair<std::string_view, const char*> kAxes[] = {
+      {"long", "longitudinal"}, {"lat", "lateral"}, {"vert", "vertical"}};
+  const std::string last{last_name(name)};
+  for (const auto& [axis, adjective] : kAxes)
+    if (last == axis && last.size() < name.size())
+      return fmt::format("{} {}", adjective, spoken(name.substr(0, name.find('.'))));
+  return spoken(last);
+}
+
+// A text in which each name with dots is spoken. Numbers stay.
+std::string with_spoken_roles(const std::string& text) {
+  std::string result, word;
+  for (const char c : text + " ") {
+    if (is_letter_or_digit(c) || c == '_' || c == '.') {
+      word += c;
+      continue;
+    }
+    const auto dot = word.find('.');
+    const bool is_role = dot != std::string::npos && is_letter(word[0]) && dot + 1 < word.size() &&
+                         is_letter(word[dot + 1]);
+    result += (is_role ? spoken_role(word) : word) + c;
+    word.clear();
+  }
+  result.pop_back();
+  return result;
+}
+
+// Titles without their remarks in brackets; names with their channel, "offset at u".
 std::string title_of(const std::string& title, const std::string& name, const Detail& detail) {
-  if (detail.has_titles && !title.empty()) return title.substr(0, title.find(" ("));
+  if (detail.has_titles && !title.empty())
+    return with_spoken_roles(title.substr(0, title.find(" (")));
   const auto channel = title.rfind(" at ");
-  return spoken(name) + (channel == std::string::npos ? "" : title.substr(channel));
+  return spoken(name) +
+         (channel == std::string::npos ? "" : with_spoken_roles(title.substr(channel)));
 }
 
 // "a", "a and b", "a, b and c"
@@ -219,7 +251,7 @@ std::string none_headline(const Verdict& verdict) {
 std::string variable_of(const Verdict& verdict) {
   if (verdict.descriptions.empty()) return "";
   const std::string& label = verdict.descriptions[0].x_label;
-  return label.substr(0, label.find(" ["));
+  return with_spoken_roles(label.substr(0, label.find(" [")));
 }
 
 std::string unknown_headline(const Verdict& verdict) {
@@ -248,14 +280,14 @@ std::string unknown_headline(const Verdict& verdict) {
 // "Coulomb friction with presliding in the machine: friction force 41 ± 0.7 kN."
 std::string told(const Cause& cause, const Verdict& verdict) {
   const std::string place = place_of(cause.part, verdict);
-  std::string text =
-      cause.is_rule ? "Another hysteresis rule: " + cause.title : capitalised(cause.title);
+  const std::string title = with_spoken_roles(cause.title);
+  std::string text = cause.is_rule ? "Another hysteresis rule: " + title : capitalised(title);
   if (text.find(place) == std::string::npos) text += " in the " + place;
   std::vector<std::string> sizes;
   for (const auto& size : told_sizes(cause)) sizes.push_back(told(size));
   text += fmt::format("{}{}.", sizes.empty() ? "" : ": ", fmt::join(sizes, ", "));
   std::vector<std::string> rivals;
-  for (const auto& rival : cause.alternatives) rivals.push_back(rival.title);
+  for (const auto& rival : cause.alternatives) rivals.push_back(with_spoken_roles(rival.title));
   if (!rivals.empty())
     text += fmt::format(" Or instead of it: {}, which explain{} as much.",
                         enumerated(rivals, " or "), rivals.size() == 1 ? "s" : "");
@@ -274,16 +306,18 @@ std::string remainder_told(const Verdict& verdict) {
   const std::string variable = variable_of(verdict);
   return text + fmt::format(" {}: {} explains {} of it.",
                             variable.empty() ? "Its best form" : "It depends on " + variable,
-                            best.form, percent_of(std::min(1.0, best.share)));
+                            with_spoken_roles(best.form), percent_of(std::min(1.0, best.share)));
 }
 
 // "Most of it lies from 3.1 to 5.2 s.": only of few intervals, which a reader can keep in mind.
 std::string intervals_told(const Where& where) {
   constexpr std::size_t kFew = 2;
+  constexpr double kLong = 100;  // [s] an instant without decimals
   if (where.intervals.empty() || where.intervals.size() > kFew || !where.has_time) return "";
   std::vector<std::string> intervals;
   for (const auto& [from, to] : where.intervals)
-    intervals.push_back(fmt::format("{:.3g} to {:.3g}", from, to));
+    intervals.push_back(to < kLong ? fmt::format("{:.3g} to {:.3g}", from, to)
+                                   : fmt::format("{:.0f} to {:.0f}", from, to));
   return fmt::format("Most of it lies in {}, at {} s.", where.record, enumerated(intervals));
 }
 
@@ -294,7 +328,8 @@ std::string missing_answer(const Verdict& verdict) {
   for (const auto& cause : found.causes) parts.push_back(told(cause, verdict));
   parts.push_back(remainder_told(verdict));
   if (!found.withdrawn.empty())
-    parts.push_back(fmt::format("Selected, but not named: {}.", enumerated(found.withdrawn)));
+    parts.push_back("Selected, but not named: " + with_spoken_roles(enumerated(found.withdrawn)) +
+                    ".");
   if (found.outcome != Outcome::None) parts.push_back(intervals_told(found.where));
   std::erase(parts, "");
   return fmt::format("{}", fmt::join(parts, " "));

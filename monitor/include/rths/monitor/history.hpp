@@ -57,8 +57,8 @@ class History {
 
  private:
   struct Level {
-    /// A row of all words for each interval, a ring. The system gives a page of it when it is first
-    /// written.
+    /// A row of all words for each interval, a ring. It is written once at the beginning, so that
+    /// the system gives all of its memory then.
     std::unique_ptr<Extent[]> rows;
     std::vector<Extent> pending;  ///< the row that is not complete yet
   };

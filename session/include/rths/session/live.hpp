@@ -22,7 +22,8 @@ struct LiveSettings {
 /// ended. Only reads: stores nothing into the ring, and each look runs in a child process of idle
 /// priority, which runs when no other process wants the processor. Each look replaces the files of
 /// the one before as a whole.
-/// @param tell  gets a line for each look, and for what is unusual about the test
+/// @param tell  gets a text for each look, of several lines for a verdict, and a line for what is
+///              unusual about the test
 /// @throws Error if no test runs on the ring, its recording is none that can be diagnosed, another
 ///         process writes to the folder, or the last look has no verdict; Interrupted   @setup
 void diagnose_live(const LiveSettings& settings,

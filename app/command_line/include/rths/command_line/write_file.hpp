@@ -16,6 +16,7 @@ namespace rths::app {
 
 /// @throws Error if results may not be written to the path: the file is a recording, or read-only
 inline void check_target(const std::filesystem::path& file) {
+  if (file.empty()) throw Error{"the file for the results has no name"};
   if (access(file.c_str(), F_OK) != 0) return;
   if (access(file.c_str(), W_OK) != 0) throw Error{file.string() + ": cannot be written"};
   if (recording::is_hdf5(file))

@@ -85,6 +85,8 @@ class SharedObject {
   std::unique_ptr<std::atomic<bool>> lost_ = std::make_unique<std::atomic<bool>>(false);
 };
 
+/// @throws Error if no ring can have this name: it is that of a file
+void check_ring_name(const std::string& ring);
 /// Name of the shared-memory object of a ring.
 [[nodiscard]] std::string object_name(const std::string& ring);
 /// Its path in the file system.
