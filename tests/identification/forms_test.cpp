@@ -374,6 +374,17 @@ class FormRivals : public Forms {
       selection.rounds.push_back({{candidate, selection.named, 0, {}, 0, 0, 0}, {}, {}});
     }
   }
+  void give_shapes() {
+    for (auto& round : selection.rounds)
+      for (auto& free : round.chosen.candidate.frees) free.absent.reset();
+  }
+  [[nodiscard]] std::string withdrawn_for_law() {
+    Problem problem = linear_problem(relation, records);
+    const Folds folds = two_records();
+    finish(problem, folds, selection);
+    const auto one = withdraw_for_law(problem, folds, selection);
+    return one ? one->candidate.name : "none";
+  }
   [[nodiscard]] std::string withdrawn() {
     Problem problem = linear_problem(relation, records);
     const Folds folds = two_records();
@@ -414,6 +425,35 @@ TEST_F(FormRivals, StayIfTheyExplainMoreThanTheForm) {
       {{"cube", cube}});
 
   EXPECT_EQ(withdrawn(), "none");
+}
+
+// The shape of a cube was fitted, and a curve over the displacement leaves nothing.
+TEST_F(FormRivals, AreWithdrawnIfACurveLeavesFarLess) {
+  measure_with(
+      [](const Motion& motion) -> VectorXd { return cube(motion) * 3 + 0.5 * cogs(motion); },
+      {{"cube", cube}});
+  give_shapes();
+
+  EXPECT_EQ(withdrawn_for_law(), "cube");
+  EXPECT_TRUE(selection.rounds.empty());
+}
+
+TEST_F(FormRivals, OfASizeOnlyStayAsIdealisations) {
+  measure_with(
+      [](const Motion& motion) -> VectorXd { return cube(motion) * 3 + 0.5 * cogs(motion); },
+      {{"cube", cube}});
+
+  EXPECT_EQ(withdrawn_for_law(), "none");
+}
+
+// What the cube leaves is another effect, which no curve over the displacement contains.
+TEST_F(FormRivals, StayIfNoCurveContainsWhatTheyLeave) {
+  measure_with(
+      [](const Motion& motion) -> VectorXd { return 30 * cube(motion) + 0.2 * drag(motion); },
+      {{"cube", cube}});
+  give_shapes();
+
+  EXPECT_EQ(withdrawn_for_law(), "none");
 }
 
 }  // namespace

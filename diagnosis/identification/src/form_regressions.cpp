@@ -255,6 +255,7 @@ class ResidualView {
 struct Regression {
   VectorXd weights, deviation;
   double gain = 0;  // decrease of the other fold's sum of squares
+  double left = 0;  // of it
 };
 
 // The rows of one output: residual and columns of a form, without what the fitted parameters can
@@ -278,14 +279,14 @@ Regression regress(const Reduced& first, const Reduced& second, bool is_friction
   const maths::SymmetricFactors factors{normal};
   const VectorXd c = factors.solve(first.columns.transpose() * first.residual);
   const MatrixXd inverse = factors.inverse();
-  const double gain =
-      second.residual.squaredNorm() - (second.residual - second.columns * c).squaredNorm();
-  if (!is_friction) return {c, inverse.diagonal().cwiseMax(0).cwiseSqrt(), gain};
+  const double left = (second.residual - second.columns * c).squaredNorm();
+  const double gain = second.residual.squaredNorm() - left;
+  if (!is_friction) return {c, inverse.diagonal().cwiseMax(0).cwiseSqrt(), gain, left};
   const Index m = c.size() / 2;
   const VectorXd variance = (inverse.topLeftCorner(m, m) + inverse.bottomRightCorner(m, m) +
                              2 * inverse.topRightCorner(m, m))
                                 .diagonal();
-  return {c.head(m) + c.tail(m), variance.cwiseMax(0).cwiseSqrt(), gain};
+  return {c.head(m) + c.tail(m), variance.cwiseMax(0).cwiseSqrt(), gain, left};
 }
 
 Description curve_of(const Form& form, const Regression& best, const ResidualView& view,
@@ -323,15 +324,17 @@ void regress_forms(const TestedHypothesis& tested, const Folds& folds,
   const Index outputs = tested.problem().drive(0).measured.cols();
   for (const auto& form : forms(outputs > 1, first.load().varies(), first.control().varies())) {
     if (!has_time && form.needs_time()) continue;
-    double gain = 0;
+    double gain = 0, left = -observations(tested.problem(), folds.second);
     Regression best;
     for (Index output = 0; output < outputs; ++output) {
       const Regression one =
           regress({first, output, form}, {second, output, form}, form.is_friction);
       gain += one.gain;
+      left += one.left;
       if (output == 0 || one.gain > best.gain) best = one;
     }
     found.push_back(curve_of(form, best, first, gain / excess));
+    if (!form.abscissa.empty()) found.back().left = left;
   }
 }
 

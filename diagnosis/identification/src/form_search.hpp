@@ -7,9 +7,6 @@
 
 namespace rths::diagnosis {
 
-/// Least energy to explain, over that of the noise: less may be an error of the noise.
-/// Ridge on the values of a form, over the mean square of its columns: relative to them, so that
-/// the result depends on no unit.
 /// Energy of the residual beyond the noise on a fold, at least kLeastExcess.
 [[nodiscard]] double excess_on(const TestedHypothesis& tested, const Fold& fold);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <rths/core/error.hpp>
@@ -87,6 +88,18 @@ Description described_by(const FreeForm& form, const Problem& problem, const Fol
   return description;
 }
 
+// Curves and surfaces.
+std::vector<Description> laws(const TestedHypothesis& tested, const Folds& folds) {
+  std::vector<Description> found;
+  const Relation& relation = tested.problem().relation();
+  const auto free_forms = relation.forms(tested.hypothesis());
+  if (!free_forms.empty())
+    fit_forms(tested, folds, free_forms, found);
+  else if (tested.problem().drive(0).displacement.size() > 0 && !relation.runs_freely())
+    regress_forms(tested, folds, found);
+  return found;
+}
+
 bool share_a_record(const Folds& folds) {
   const auto& first = folds.first.shares;
   return std::any_of(first.begin(), first.end(), [&](const Fold::Share& one) {
@@ -103,14 +116,9 @@ double excess_on(const TestedHypothesis& tested, const Fold& fold) {
 }
 
 std::vector<Description> describe(const TestedHypothesis& tested, const Folds& folds) {
-  std::vector<Description> found;
   const Problem& problem = tested.problem();
   const bool has_states = problem.drive(0).displacement.size() > 0;
-  const auto free_forms = problem.relation().forms(tested.hypothesis());
-  if (!free_forms.empty())
-    fit_forms(tested, folds, free_forms, found);
-  else if (has_states && !problem.relation().runs_freely())
-    regress_forms(tested, folds, found);
+  std::vector<Description> found = laws(tested, folds);
   if (has_states) {
     find_periodic_force(tested, folds, found);
     find_held_samples(tested, folds, found);
@@ -128,6 +136,12 @@ std::vector<Description> describe(const TestedHypothesis& tested, const Folds& f
   // A form may follow a part of the noise, too.
   for (auto& one : found) one.share = std::min(one.share, 1.0);
   return found;
+}
+
+double least_left(const TestedHypothesis& tested, const Fold& fold) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& law : laws(tested, {fold, fold, fold})) least = std::min(least, law.left);
+  return least;
 }
 
 void fit_forms(const TestedHypothesis& tested, const Folds& folds,
@@ -148,6 +162,7 @@ void fit_forms(const TestedHypothesis& tested, const Folds& folds,
     if (after.empty()) continue;  // no prediction
     const double gain = 2 * (sum(base.blocks(folds.second)) - sum(after));
     found.push_back(described_by(form, problem, folds.first, *with, gain / excess));
+    found.back().left = 2 * sum(after) - observations(problem, folds.second);
   }
 }
 

@@ -52,6 +52,13 @@ bool is_gap(const FreeParameter& free) {
   return free.unit == "m" && (name == "gap" || name == "slack" || name == "play");
 }
 
+// Whether the shape of its law is fitted, and not only its size.
+bool has_shape(const Candidate& candidate) {
+  return std::any_of(candidate.frees.begin(), candidate.frees.end(), [](const FreeParameter& free) {
+    return !free.absent && last_name(free.name) != "presliding";
+  });
+}
+
 class Pruning {
  public:
   Pruning(Problem& problem, const Problem* held_out, const Folds& folds, const SensorNoise& noise,
@@ -286,6 +293,20 @@ std::optional<Withdrawn> withdraw_for_form(Problem& problem, const Folds& folds,
     const double of_form_alone = share_of(forms[0].form, describe(bare, folds)) * bare_rest;
     if (of_form_alone - of_form > kTakenOver * explained)
       return withdraw(problem, folds, selection, i, "the residual's form explains it too");
+  }
+  return std::nullopt;
+}
+
+std::optional<Withdrawn> withdraw_for_law(Problem& problem, const Folds& folds,
+                                          Selection& selection) {
+  const double rest = excess_on({problem, selection.named}, folds.both);
+  if (rest < kPlain * observations(problem, folds.both)) return std::nullopt;
+  for (std::size_t i = selection.rounds.size(); i-- > 0;) {
+    if (is_needed(selection, i) || !has_shape(selection.rounds[i].chosen.candidate)) continue;
+    const Hypothesis bare = without(problem, folds, selection, i);
+    const double left = least_left({problem, bare}, folds.both);
+    if (left < kLawLeaves * rest)
+      return withdraw(problem, folds, selection, i, "a drawn law in its place leaves far less");
   }
   return std::nullopt;
 }

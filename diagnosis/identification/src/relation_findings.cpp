@@ -119,6 +119,12 @@ std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
     found->withdrawn.push_back(std::move(*one));
     prove(*found, progress);
   }
+  while (found->is_named() && found->has_remainder()) {
+    auto one = withdraw_for_law(*found->problem, found->folds, found->selection);
+    if (!one) break;
+    found->withdrawn.push_back(std::move(*one));
+    prove(*found, progress);
+  }
   withdraw_resemblances(*found, progress);
   renew_ties(*found);
   return found;

@@ -131,6 +131,7 @@ inline constexpr double kRestShare = 0.5;   ///< [-] of the error that others le
 inline constexpr double kSeenShare = 0.25;  ///< [-] of the error's energy: seen in spite of noise
 inline constexpr double kLeastShift = 0.1;  ///< [samples] of a shift in time
 inline constexpr double kTakenOver = 0.5;   ///< [-] of a candidate's energy, by a form
+inline constexpr double kLawLeaves = 0.25;  ///< [-] of a candidate's rest, by a drawn law instead
 
 inline constexpr double kNoisyReading = 5;  ///< [-] deviations of the noise, in the largest reading
 inline constexpr double kReadRange = 0.98;  ///< [-] of the largest reading: a saturation above it

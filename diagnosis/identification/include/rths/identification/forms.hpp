@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,14 +24,19 @@ struct Description {
   bool is_of_pieces = false;  ///< the folds are pieces of the same records
   /// Output with this residual, without axis; in verdicts. Lists of initial values omit it.
   std::string channel = {};  // NOLINT(readability-redundant-member-init)
+  /// What a curve leaves of this energy; infinite: not known, or no curve.
+  double left = std::numeric_limits<double>::infinity();
 };
-
-/// A form that explains a smaller share of the residual is not reported: any data have one [-].
 
 /// Describes the form of a residual that no term explains: curves and surfaces over recorded or
 /// predicted quantities, a lasting sine, held samples, a sudden change. Best first, by the share of
 /// the energy beyond the noise that each explains. Curves, surfaces and sines are fitted to one
 /// fold and explain the other; held samples and changes are found on each record.
 [[nodiscard]] std::vector<Description> describe(const TestedHypothesis& tested, const Folds& folds);
+
+/// The least energy beyond the noise on a fold that is left by a curve which is fitted to it
+/// together with the parameters; infinite without any. A surface would also fit what another effect
+/// leaves.
+[[nodiscard]] double least_left(const TestedHypothesis& tested, const Fold& fold);
 
 }  // namespace rths::diagnosis

@@ -36,4 +36,10 @@ struct Withdrawn {
                                                          const std::vector<Description>& forms,
                                                          Selection& selection);
 
+/// Withdraws a candidate whose fitted shape leaves several times the energy beyond the noise that a
+/// free curve in its place leaves: the law is another one. A candidate of a size only stays, as an
+/// idealisation that its users know. Fits the model again.
+[[nodiscard]] std::optional<Withdrawn> withdraw_for_law(Problem& problem, const Folds& folds,
+                                                        Selection& selection);
+
 }  // namespace rths::diagnosis
