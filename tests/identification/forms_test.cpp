@@ -378,19 +378,13 @@ class FormRivals : public Forms {
     for (auto& round : selection.rounds)
       for (auto& free : round.chosen.candidate.frees) free.absent.reset();
   }
-  [[nodiscard]] std::string withdrawn_for_law() {
-    Problem problem = linear_problem(relation, records);
-    const Folds folds = two_records();
-    finish(problem, folds, selection);
-    const auto one = withdraw_for_law(problem, folds, selection);
-    return one ? one->candidate.name : "none";
-  }
-  [[nodiscard]] std::string withdrawn() {
+  [[nodiscard]] std::string withdrawn(bool for_law = false) {
     Problem problem = linear_problem(relation, records);
     const Folds folds = two_records();
     finish(problem, folds, selection);
     const auto forms = describe(TestedHypothesis{problem, selection.named}, folds);
-    const auto one = withdraw_for_form(problem, folds, forms, selection);
+    const auto one = for_law ? withdraw_for_law(problem, folds, selection)
+                             : withdraw_for_form(problem, folds, forms, selection);
     return one ? one->candidate.name : "none";
   }
 
@@ -427,23 +421,17 @@ TEST_F(FormRivals, StayIfTheyExplainMoreThanTheForm) {
   EXPECT_EQ(withdrawn(), "none");
 }
 
-// The shape of a cube was fitted, and a curve over the displacement leaves nothing.
-TEST_F(FormRivals, AreWithdrawnIfACurveLeavesFarLess) {
+// A curve over the displacement leaves nothing, but a size only is an idealisation.
+TEST_F(FormRivals, OfAFittedShapeAreWithdrawnIfACurveLeavesFarLess) {
   measure_with(
       [](const Motion& motion) -> VectorXd { return cube(motion) * 3 + 0.5 * cogs(motion); },
       {{"cube", cube}});
+  EXPECT_EQ(withdrawn(true), "none");
+
   give_shapes();
 
-  EXPECT_EQ(withdrawn_for_law(), "cube");
+  EXPECT_EQ(withdrawn(true), "cube");
   EXPECT_TRUE(selection.rounds.empty());
-}
-
-TEST_F(FormRivals, OfASizeOnlyStayAsIdealisations) {
-  measure_with(
-      [](const Motion& motion) -> VectorXd { return cube(motion) * 3 + 0.5 * cogs(motion); },
-      {{"cube", cube}});
-
-  EXPECT_EQ(withdrawn_for_law(), "none");
 }
 
 // What the cube leaves is another effect, which no curve over the displacement contains.
@@ -453,7 +441,7 @@ TEST_F(FormRivals, StayIfNoCurveContainsWhatTheyLeave) {
       {{"cube", cube}});
   give_shapes();
 
-  EXPECT_EQ(withdrawn_for_law(), "none");
+  EXPECT_EQ(withdrawn(true), "none");
 }
 
 }  // namespace
