@@ -318,6 +318,34 @@ TEST_F(Kinds, AnUnknownStartStateIsFound) {
   EXPECT_LT(test_support::relative_error(found, expected), 1e-6);
 }
 
+// A free decay. The stated spring is 3 % too stiff: a state that fits the beginning with it is none
+// of the right spring.
+TEST_F(Kinds, AnUnknownStartStateFollowsTheParameters) {
+  constexpr double kDecay = 2, kFrequency = 20;  // c/(2 m), √(k/m) [rad/s]
+  const double damped = std::sqrt(kFrequency * kFrequency - kDecay * kDecay);
+  VectorXd decay(300);
+  for (Index i = 0; i < decay.size(); ++i) {
+    const double t = kKindsStep * static_cast<double>(i);
+    decay[i] = 0.01 * std::exp(-kDecay * t) * std::cos(damped * t - 0.4);
+  }
+  folder_.write("fit.csv", {{"u", std::vector<double>(300)}, {"y", {decay.begin(), decay.end()}}});
+  std::string free = kOscillator;
+  free.replace(free.find("= 800"), 5, "= 824");
+  free.insert(free.find("masses_kg"), "initial = \"free\"\nfitted = [\"spring.1.stiffness\"]\n");
+  case_ = folder_.load(kForced + free);
+  relation_ = dynamic_relation(case_);
+  const auto drive = relation_->prepare(case_.records[0]);
+  const auto simulator = relation_->simulator(relation_->base(), *drive);
+  MatrixXd prediction, stiffer;
+  std::vector<MatrixXd> derivatives, none;
+
+  ASSERT_TRUE(simulator->run(VectorXd::Constant(1, 800), {0}, prediction, derivatives));
+  ASSERT_TRUE(simulator->run(VectorXd::Constant(1, 800.1), {}, stiffer, none));
+
+  EXPECT_LT(test_support::relative_error(prediction, decay), 1e-6);
+  EXPECT_LT(test_support::relative_error((stiffer - prediction) / 0.1, derivatives[0]), 1e-3);
+}
+
 TEST_F(Kinds, DataWithAnAddedTermIsTheirSum) {
   std::vector<double> predicted, displacement;
   for (std::size_t i = 0; i < 400; ++i) {

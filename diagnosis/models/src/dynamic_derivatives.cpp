@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dynamic_simulator.hpp"
+#include "dynamic_start.hpp"
 
 namespace rths::diagnosis {
 
@@ -46,9 +47,43 @@ MatrixXd as_columns(const std::vector<std::vector<double>>& outputs) {
 bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wanted,
                            MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const {
   const StepMatrices<double> plain_steps = steps(plant_values(values));
+  if (!has_free_start())
+    return run_from(signals_, values, wanted, plain_steps, prediction, derivatives);
+  DynamicSignals signals = signals_;
+  signals.start_state = start(values);
+  if (!run_from(signals, values, wanted, plain_steps, prediction, derivatives)) return false;
+  if (wanted.empty() || signals.start_state.size() == 0) return true;
+  const auto response = start_response(signals, values, plain_steps, prediction);
+  if (response.empty()) return false;
+  follow_start(signals_.beginning.rows(), response, derivatives);
+  return true;
+}
+
+std::vector<MatrixXd> DynamicSimulator::start_response(DynamicSignals signals,
+                                                       const VectorXd& values,
+                                                       const StepMatrices<double>& plain_steps,
+                                                       const MatrixXd& prediction) const {
+  std::vector<MatrixXd> response;
+  const VectorXd sizes = state_sizes(plain_steps, setup_.substeps, signals.beginning);
+  for (Index i = 0; i < sizes.size(); ++i) {
+    const double state = signals.start_state[i], step = kDifference * sizes[i];
+    signals.start_state[i] = state + step;
+    const auto outputs = run_freely(setup_, signals, plain_steps, plain(values));
+    signals.start_state[i] = state;
+    if (outputs.empty()) return {};
+    response.emplace_back(step > 0 ? MatrixXd{(as_columns(outputs) - prediction) / step}
+                                   : MatrixXd::Zero(prediction.rows(), prediction.cols()));
+  }
+  return response;
+}
+
+bool DynamicSimulator::run_from(const DynamicSignals& signals, const VectorXd& values,
+                                const std::vector<Index>& wanted,
+                                const StepMatrices<double>& plain_steps, MatrixXd& prediction,
+                                std::vector<MatrixXd>& derivatives) const {
   derivatives.assign(wanted.size(), {});
   if (wanted.empty()) {
-    const auto outputs = run_freely(setup_, signals_, plain_steps, plain(values));
+    const auto outputs = run_freely(setup_, signals, plain_steps, plain(values));
     if (outputs.empty()) return false;
     prediction = as_columns(outputs);
     return prediction.allFinite();
@@ -56,7 +91,7 @@ bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   for (std::size_t first = 0; first < wanted.size(); first += Dual::kLanes) {
     const std::size_t end = std::min(first + Dual::kLanes, wanted.size());
     std::vector<MatrixXd> some(end - first);
-    if (!run_lanes(values,
+    if (!run_lanes(signals, values,
                    {wanted.begin() + static_cast<std::ptrdiff_t>(first),
                     wanted.begin() + static_cast<std::ptrdiff_t>(end)},
                    plain_steps, prediction, some))
@@ -79,7 +114,8 @@ bool DynamicSimulator::only_at_outputs(const std::vector<Index>& lanes) const {
                       [&](const auto& connection) { return follows_any(connection.terms); });
 }
 
-bool DynamicSimulator::run_lanes(const VectorXd& values, const std::vector<Index>& lanes,
+bool DynamicSimulator::run_lanes(const DynamicSignals& signals, const VectorXd& values,
+                                 const std::vector<Index>& lanes,
                                  const StepMatrices<double>& plain_steps, MatrixXd& prediction,
                                  std::vector<MatrixXd>& derivatives) const {
   std::vector<Dual> duals(values.begin(), values.end());
@@ -97,9 +133,9 @@ bool DynamicSimulator::run_lanes(const VectorXd& values, const std::vector<Index
   }
   const auto outputs =
       differences.empty()
-          ? only_at_outputs(lanes) ? through_outputs(setup_, signals_, plain_steps, duals)
-                                   : run_freely(setup_, signals_, plain_steps, duals)
-          : run_freely(setup_, signals_, with_lanes(plain_steps, differences), duals);
+          ? only_at_outputs(lanes) ? through_outputs(setup_, signals, plain_steps, duals)
+                                   : run_freely(setup_, signals, plain_steps, duals)
+          : run_freely(setup_, signals, with_lanes(plain_steps, differences), duals);
   return !outputs.empty() && split_duals(outputs, prediction, derivatives);
 }
 

@@ -20,12 +20,11 @@ constexpr double kDiverged = 1e6;        // of the largest measurement
 constexpr double kForgotten = 1e-3;      // of the largest measurement
 constexpr double kRateTolerance = 1e-3;  // of a sampled system's time step
 
-// The state that fits the settling time, or if there is none the beginning of the record.
-VectorXd start_of(const DynamicModel& model, const Hypothesis& base, const DynamicDrive& drive) {
-  const DynamicSimulator run{model, base, nullptr, drive.time_step, drive.signals};
+// Measured outputs of the settling time, or if there is none the beginning of the record.
+MatrixXd beginning_of(const DynamicDrive& drive) {
   const auto most = static_cast<Index>(kStartShare * static_cast<double>(drive.rows()));
   const Index rows = drive.first_row > 0 ? drive.first_row : most;
-  return run.start(base.values, drive.measured, std::clamp<Index>(rows, 1, drive.rows()));
+  return drive.measured.topRows(std::clamp<Index>(rows, 1, drive.rows()));
 }
 
 // Signals whose inputs are larger in a gap, each by its largest value.
@@ -105,7 +104,11 @@ std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model, const Hyp
   }
   const double largest = drive->measured.cwiseAbs().maxCoeff();
   drive->signals.limit = kDiverged * (largest > 0 ? largest : 1);
-  if (model.has_free_start) drive->signals.start_state = start_of(model, base, *drive);
+  if (model.has_free_start) {
+    drive->signals.beginning = beginning_of(*drive);
+    const DynamicSimulator stated{model, base, nullptr, drive->time_step, drive->signals};
+    drive->signals.start_state = stated.start(base.values);
+  }
   if (!record.gaps.empty()) drive->present = present_rows(model, base, record, *drive);
   return drive;
 }
@@ -116,6 +119,7 @@ std::unique_ptr<DynamicDrive> with_noise(const DynamicModel& model, const Dynami
   for (Index i = 0; i < result->measured.cols(); ++i)
     if (const Channel* channel = noise.find(model.outputs[static_cast<std::size_t>(i)]))
       result->measured.col(i) += values_of(*channel);
+  result->signals.beginning = result->measured.topRows(result->signals.beginning.rows());
   for (std::size_t i = 0; i < model.inputs.size(); ++i)
     if (const Channel* channel = noise.find(model.inputs[i])) {
       auto& values = result->signals.inputs[i];

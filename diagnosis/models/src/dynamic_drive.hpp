@@ -18,7 +18,7 @@ class DynamicDrive : public Drive {
   DynamicSignals signals;
 };
 
-/// @param base  the simulation as stated: determines the first state if that is free
+/// @param base  the simulation as stated: a search for a free start begins at its state
 /// @throws Error if the record lacks a channel of the model, or its sampling rate differs from that
 ///         of a model in discrete time   @setup
 [[nodiscard]] std::unique_ptr<DynamicDrive> dynamic_drive(const DynamicModel& model,

@@ -36,6 +36,9 @@ struct DynamicSignals {
   double start = 0;                         ///< [s]
   std::vector<std::vector<double>> inputs;  ///< by input of the model
   VectorXd start_state;
+  /// First rows of the measured outputs, which the start state fits at any parameters; empty: the
+  /// start state is known.
+  MatrixXd beginning;
   double limit = 0;  ///< larger outputs count as diverged
 };
 

@@ -222,17 +222,17 @@ StepMatrices<double> DynamicSimulator::steps(const VectorXd& plant) const {
   return step_matrices(system(plant), setup_.time_step / setup_.substeps, model_.sampled_every > 0);
 }
 
-VectorXd DynamicSimulator::start(const VectorXd& values, const MatrixXd& measured,
-                                 Index rows) const {
+VectorXd DynamicSimulator::start(const VectorXd& values) const {
   const StepMatrices<double> linear = steps(plant_values(values));
   DynamicSignals first = signals_;
   for (auto& input : first.inputs)
-    input.resize(std::min(input.size(), static_cast<std::size_t>(rows)));
-  return fitted_start(linear, setup_.substeps, measured, rows, [&](const VectorXd& state) {
-    first.start_state = state;
-    const auto outputs = run_freely(setup_, first, linear, plain(values));
-    return outputs.empty() ? MatrixXd{} : as_columns(outputs);
-  });
+    input.resize(std::min(input.size(), static_cast<std::size_t>(signals_.beginning.rows())));
+  return fitted_start(linear, setup_.substeps, signals_.beginning, signals_.start_state,
+                      [&](const VectorXd& state) {
+                        first.start_state = state;
+                        const auto outputs = run_freely(setup_, first, linear, plain(values));
+                        return outputs.empty() ? MatrixXd{} : as_columns(outputs);
+                      });
 }
 
 std::vector<double> DynamicSimulator::driven(std::size_t input, const VectorXd& values) const {

@@ -22,8 +22,8 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] bool run(const VectorXd& values, const std::vector<Index>& wanted,
                          MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const override;
 
-  /// The state at the first sample that best fits the first `rows` of a measurement.
-  [[nodiscard]] VectorXd start(const VectorXd& values, const MatrixXd& measured, Index rows) const;
+  /// The state at the first sample that best fits the beginning of the measurement.
+  [[nodiscard]] VectorXd start(const VectorXd& values) const;
   /// Displacements, then velocities, then accelerations of the observed connections: those with
   /// terms, or all if `sizes` is null. Empty if the run diverges.
   [[nodiscard]] std::vector<std::vector<double>> motion(const VectorXd& values) const;
@@ -31,8 +31,8 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] std::vector<double> driven(std::size_t input, const VectorXd& values) const;
   /// A step of a system solves for the forces of its connections by iteration.
   [[nodiscard]] int work_per_row() const override {
-    constexpr int kWorkOfStep = 6;
-    return kWorkOfStep * setup_.substeps;
+    constexpr int kWorkOfStep = 6, kWorkOfStart = 3;
+    return kWorkOfStep * setup_.substeps * (has_free_start() ? kWorkOfStart : 1);
   }
 
  private:
@@ -54,9 +54,18 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] LinearSystem system(const VectorXd& plant) const;
   [[nodiscard]] StepMatrices<double> steps(const VectorXd& plant) const;
   [[nodiscard]] bool only_at_outputs(const std::vector<Index>& lanes) const;
-  [[nodiscard]] bool run_lanes(const VectorXd& values, const std::vector<Index>& lanes,
-                               const StepMatrices<double>& steps, MatrixXd& prediction,
-                               std::vector<MatrixXd>& derivatives) const;
+  [[nodiscard]] bool has_free_start() const { return signals_.beginning.size() > 0; }
+  /// As `run`, from the start state of the signals.
+  [[nodiscard]] bool run_from(const DynamicSignals& signals, const VectorXd& values,
+                              const std::vector<Index>& wanted, const StepMatrices<double>& steps,
+                              MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const;
+  [[nodiscard]] bool run_lanes(const DynamicSignals& signals, const VectorXd& values,
+                               const std::vector<Index>& lanes, const StepMatrices<double>& steps,
+                               MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const;
+  /// Response of the prediction to each state at the start; empty if a run diverges.
+  [[nodiscard]] std::vector<MatrixXd> start_response(DynamicSignals signals, const VectorXd& values,
+                                                     const StepMatrices<double>& steps,
+                                                     const MatrixXd& prediction) const;
 
   const DynamicModel& model_;
   const DynamicSignals& signals_;

@@ -28,19 +28,27 @@ MatrixXd linear_response(const StepMatrices<double>& steps, int substeps, Index 
   return response;
 }
 
+// The change of a start state that explains a difference. State directions with little effect on
+// the outputs stay as they are.
+VectorXd least_change(const MatrixXd& response, const VectorXd& difference) {
+  const VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
+  const maths::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
+  return scale.cwiseInverse().asDiagonal() * solver.solve(difference);
+}
+
 // Gauss-Newton steps for a start state, each halved until the prediction is better.
 class StartSearch {
  public:
   using Predicted = std::function<MatrixXd(const VectorXd&)>;
 
-  StartSearch(const MatrixXd& measured, Index rows, const Predicted& predicted)
-      : measured_{measured.topRows(rows)}, rows_{rows}, predicted_{predicted} {}
+  StartSearch(const MatrixXd& measured, const Predicted& predicted)
+      : measured_{measured}, predicted_{predicted} {}
 
   /// Measured minus predicted; empty if the prediction diverges.
   [[nodiscard]] VectorXd off(const VectorXd& start) const {
     const MatrixXd now = predicted_(start);
-    if (now.rows() < rows_) return {};
-    const MatrixXd difference = (measured_ - now.topRows(rows_)).transpose();
+    if (now.rows() < measured_.rows()) return {};
+    const MatrixXd difference = (measured_ - now.topRows(measured_.rows())).transpose();
     return Eigen::Map<const VectorXd>(difference.data(), difference.size());
   }
 
@@ -64,10 +72,7 @@ class StartSearch {
   /// @returns whether a step improved the start
   bool improve(const MatrixXd& response, VectorXd& start, VectorXd& at) const {
     constexpr int kHalvings = 8;
-    // State directions with little effect on the outputs stay at rest.
-    const VectorXd scale = response.colwise().norm().transpose().cwiseMax(1e-300);
-    const maths::MinimumNormSolver solver{response * scale.cwiseInverse().asDiagonal(), 1e-6};
-    VectorXd step = scale.cwiseInverse().asDiagonal() * solver.solve(at);
+    VectorXd step = least_change(response, at);
     for (int i = 0; i < kHalvings; ++i, step /= 2) {
       VectorXd there = off(start + step);
       if (there.size() == 0 || !(there.squaredNorm() < at.squaredNorm())) continue;
@@ -79,22 +84,21 @@ class StartSearch {
   }
 
  private:
-  MatrixXd measured_;
-  Index rows_;
+  const MatrixXd& measured_;
   const Predicted& predicted_;
 };
 
 }  // namespace
 
 VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const MatrixXd& measured,
-                      Index rows, const std::function<MatrixXd(const VectorXd&)>& predicted) {
+                      VectorXd start, const std::function<MatrixXd(const VectorXd&)>& predicted) {
   constexpr int kLinear = 3, kExact = 5;  // iterations
-  VectorXd start = VectorXd::Zero(steps.phi.rows);
+  if (start.size() == 0) start = VectorXd::Zero(steps.phi.rows);
   if (start.size() == 0) return start;
-  const StartSearch search{measured, rows, predicted};
+  const StartSearch search{measured, predicted};
   VectorXd at = search.off(start);
   if (at.size() == 0) return start;
-  const MatrixXd linear = linear_response(steps, substeps, rows);
+  const MatrixXd linear = linear_response(steps, substeps, measured.rows());
   for (int i = 0; i < kLinear && search.improve(linear, start, at); ++i) continue;
   // Terms change the response: a pendulum's period grows with its swing.
   MatrixXd response = linear;
@@ -104,6 +108,27 @@ VectorXd fitted_start(const StepMatrices<double>& steps, int substeps, const Mat
     if (!search.improve(response, start, at) || at.squaredNorm() > (1 - 1e-6) * before) break;
   }
   return start;
+}
+
+VectorXd state_sizes(const StepMatrices<double>& steps, int substeps, const MatrixXd& measured) {
+  VectorXd sizes = linear_response(steps, substeps, measured.rows()).colwise().norm();
+  for (double& size : sizes) size = size > 0 ? measured.norm() / size : 0;
+  return sizes;
+}
+
+void follow_start(Index rows, const std::vector<MatrixXd>& response,
+                  std::vector<MatrixXd>& derivatives) {
+  const auto beginning = [&](const MatrixXd& signal) -> VectorXd {
+    return signal.topRows(rows).reshaped();
+  };
+  MatrixXd seen(rows * response[0].cols(), std::ssize(response));
+  for (Index i = 0; i < seen.cols(); ++i)
+    seen.col(i) = beginning(response[static_cast<std::size_t>(i)]);
+  for (auto& derivative : derivatives) {
+    const VectorXd change = least_change(seen, -beginning(derivative));
+    for (Index i = 0; i < seen.cols(); ++i)
+      derivative += change[i] * response[static_cast<std::size_t>(i)];
+  }
 }
 
 }  // namespace rths::diagnosis
