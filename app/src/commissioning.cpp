@@ -29,7 +29,7 @@ namespace {
 struct CommissioningArguments {
   std::vector<std::string> files;  ///< recordings, or folders of runs
   bool json = false;
-  std::string out;  ///< TOML file for the constants; empty: none
+  std::optional<std::string> out;  ///< TOML file for the constants
   // delay
   std::string target = "command", measured = "displacement";  ///< roles, or names of signals
   double window = 2, search = 0.2;                            ///< [s]
@@ -87,27 +87,27 @@ int delay(const CommissioningArguments& a) {
 }
 
 int identify_empty_table(const CommissioningArguments& a) {
-  check_target(a.out);
+  if (a.out) check_target(*a.out);
   const auto runs = commissioning::identify_empty_table(recordings_of(a.files), a.load);
   print(a, runs);
-  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(runs, a.block, a.observer));
+  if (a.out) write_file(*a.out, commissioning::toml_of(runs, a.block, a.observer));
   return kOk;
 }
 
 int identify_inverse(const CommissioningArguments& a) {
-  check_target(a.out);
+  if (a.out) check_target(*a.out);
   const auto found = commissioning::learnt_inverse(recordings_of(a.files), a.inverse);
   print(a, found);
-  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
+  if (a.out) write_file(*a.out, commissioning::toml_of(found));
   return kOk;
 }
 
 int calibrate(const CommissioningArguments& a) {
-  check_target(a.out);
+  if (a.out) check_target(*a.out);
   const auto found = commissioning::calibrate(recordings_of(a.files),
                                               {a.band.at(0), a.band.at(1), a.feed_forward_share});
   print(a, found);
-  if (!a.out.empty()) write_file(a.out, commissioning::toml_of(found));
+  if (a.out) write_file(*a.out, commissioning::toml_of(found));
   return kOk;
 }
 
@@ -116,10 +116,10 @@ int pretest(const CommissioningArguments& a) {
   check_sizes(experiment);
   std::optional<TemporaryFolder> temporary;
   session::PretestSettings settings;
-  if (a.out.empty())
-    settings.folder = temporary.emplace("pretest").path();
+  if (a.out)
+    session::create_folder(settings.folder = *a.out);
   else
-    session::create_folder(settings.folder = a.out);
+    settings.folder = temporary.emplace("pretest").path();
   if (!a.machine.empty()) settings.machine = session::recording_in(a.machine);
   settings.version = version();
   const auto result = session::pretest(experiment, settings);
