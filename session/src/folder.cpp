@@ -189,6 +189,7 @@ std::filesystem::path recording_in(const std::filesystem::path& file_or_folder) 
 }
 
 void create_folder(const fs::path& folder) {
+  if (folder.empty()) throw Error{"the folder for the results has no name"};
   std::error_code error;
   fs::create_directories(folder, error);
   if (error)
