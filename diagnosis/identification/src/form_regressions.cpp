@@ -255,7 +255,7 @@ class ResidualView {
 struct Regression {
   VectorXd weights, deviation;
   double gain = 0;  // decrease of the other fold's sum of squares
-  double left = 0;  // of it
+  double left = 0;  // the rest of it
 };
 
 // The rows of one output: residual and columns of a form, without what the fitted parameters can

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
+#include <utility>
 
 #include <rths/identification/constants.hpp>
 #include <rths/identification/forms.hpp>
@@ -53,6 +55,16 @@ void prove(RelationFindings& found, DiagnosisProgress& progress) {
   if (found.has_remainder())
     found.descriptions =
         describe(TestedHypothesis{*found.problem, found.selection.named}, found.folds);
+}
+
+// Withdraws candidates until none is left to withdraw, and proves what stays after each.
+template <class Withdrawal>
+void withdraw_one_by_one(RelationFindings& found, DiagnosisProgress& progress,
+                         const Withdrawal& withdrawal) {
+  while (auto one = withdrawal()) {
+    found.withdrawn.push_back(std::move(*one));
+    prove(found, progress);
+  }
 }
 
 // An unknown effect resembles terms of the catalogue in part. Those that leave more than half of
@@ -112,19 +124,14 @@ std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
   found->withdrawn =
       prune(*found->problem, found->held_out.get(), found->folds, noise, found->selection);
   prove(*found, progress);
-  while (found->is_unknown() && has_form(*found)) {
-    auto one =
-        withdraw_for_form(*found->problem, found->folds, found->descriptions, found->selection);
-    if (!one) break;
-    found->withdrawn.push_back(std::move(*one));
-    prove(*found, progress);
-  }
-  while (found->is_named() && found->has_remainder()) {
-    auto one = withdraw_for_law(*found->problem, found->folds, found->selection);
-    if (!one) break;
-    found->withdrawn.push_back(std::move(*one));
-    prove(*found, progress);
-  }
+  withdraw_one_by_one(*found, progress, [&]() -> std::optional<Withdrawn> {
+    if (!found->is_unknown() || !has_form(*found)) return std::nullopt;
+    return withdraw_for_form(*found->problem, found->folds, found->descriptions, found->selection);
+  });
+  withdraw_one_by_one(*found, progress, [&]() -> std::optional<Withdrawn> {
+    if (!found->is_named() || !found->has_remainder()) return std::nullopt;
+    return withdraw_for_law(*found->problem, found->folds, found->selection);
+  });
   withdraw_resemblances(*found, progress);
   renew_ties(*found);
   return found;
