@@ -50,7 +50,7 @@ bool DynamicSimulator::run(const VectorXd& values, const std::vector<Index>& wan
   if (!has_free_start())
     return run_from(signals_, values, wanted, plain_steps, prediction, derivatives);
   DynamicSignals signals = signals_;
-  signals.start_state = start(values);
+  signals.start_state = start(values, plain_steps);
   if (!run_from(signals, values, wanted, plain_steps, prediction, derivatives)) return false;
   if (wanted.empty() || signals.start_state.size() == 0) return true;
   const auto response = start_response(signals, values, plain_steps, prediction);

@@ -222,8 +222,7 @@ StepMatrices<double> DynamicSimulator::steps(const VectorXd& plant) const {
   return step_matrices(system(plant), setup_.time_step / setup_.substeps, model_.sampled_every > 0);
 }
 
-VectorXd DynamicSimulator::start(const VectorXd& values) const {
-  const StepMatrices<double> linear = steps(plant_values(values));
+VectorXd DynamicSimulator::start(const VectorXd& values, const StepMatrices<double>& linear) const {
   DynamicSignals first = signals_;
   for (auto& input : first.inputs)
     input.resize(std::min(input.size(), static_cast<std::size_t>(signals_.beginning.rows())));

@@ -23,7 +23,9 @@ class DynamicSimulator : public Simulator {
                          MatrixXd& prediction, std::vector<MatrixXd>& derivatives) const override;
 
   /// The state at the first sample that best fits the beginning of the measurement.
-  [[nodiscard]] VectorXd start(const VectorXd& values) const;
+  [[nodiscard]] VectorXd start(const VectorXd& values) const {
+    return start(values, steps(plant_values(values)));
+  }
   /// Displacements, then velocities, then accelerations of the observed connections: those with
   /// terms, or all if `sizes` is null. Empty if the run diverges.
   [[nodiscard]] std::vector<std::vector<double>> motion(const VectorXd& values) const;
@@ -55,6 +57,7 @@ class DynamicSimulator : public Simulator {
   [[nodiscard]] StepMatrices<double> steps(const VectorXd& plant) const;
   [[nodiscard]] bool only_at_outputs(const std::vector<Index>& lanes) const;
   [[nodiscard]] bool has_free_start() const { return signals_.beginning.size() > 0; }
+  [[nodiscard]] VectorXd start(const VectorXd& values, const StepMatrices<double>& steps) const;
   /// As `run`, from the start state of the signals.
   [[nodiscard]] bool run_from(const DynamicSignals& signals, const VectorXd& values,
                               const std::vector<Index>& wanted, const StepMatrices<double>& steps,
