@@ -306,14 +306,23 @@ class Selector {
   }
 
   // A law may have been found in parts: friction and viscous damping imitate a power of velocity.
-  // It takes their place if it predicts other rows better than they do together.
+  // It takes their place if it predicts other rows better than they do together. One that is their
+  // sum need not: one cause is likelier than two.
   void join_parts() {
     const auto candidates = problem_.relation().candidates(selection_.base);
     for (const Candidate& law : candidates) {
       auto& rounds = selection_.rounds;
+      const bool is_sum =
+          !law.sum_of.empty() &&
+          std::all_of(law.sum_of.begin(), law.sum_of.end(), [&](const auto& part) {
+            return std::any_of(rounds.begin(), rounds.end(), [&](const auto& round) {
+              return round.chosen.candidate.name == part;
+            });
+          });
       const auto is_part = [&](const SelectionRound& round) {
         const Candidate& part = round.chosen.candidate;
-        return part.channel == law.channel && contains(law.contains, part.name);
+        return part.channel == law.channel &&
+               contains(is_sum ? law.sum_of : law.contains, part.name);
       };
       const auto is_law = [&](const SelectionRound& round) {
         return is_same(round.chosen.candidate, law);
@@ -327,7 +336,9 @@ class Selector {
       Round round{problem_, folds_, Round::Extended{rest, stated_.values}, {law}, seed_, kThorough};
       if (round.ranked().empty()) continue;
       ScoredCandidate whole = std::move(round.ranked()[0]);
-      if (!comparison_.predicts(whole.fitted) || !gains_enough(current_, whole.fitted)) continue;
+      if (!comparison_.predicts(whole.fitted) ||
+          (is_sum ? gains_enough(whole.fitted, current_) : !gains_enough(current_, whole.fitted)))
+        continue;
       std::erase_if(rounds, is_part);
       current_ = whole.fitted;
       rounds.push_back({std::move(whole), {}, {}});

@@ -74,6 +74,8 @@ struct Candidate {
                                ///< explain much
   int price = 0;               ///< number of its free parameters; the cheaper wins a tie
   std::vector<std::string> contains;  ///< its special cases: not alternatives to it
+  std::vector<std::string> sum_of;    ///< candidates that together are the same law: it is named
+                                      ///< instead of all of them if it explains as much
   std::vector<std::string> after;     ///< it subsumes these simpler candidates, so it is named only
                                       ///< if none of them is acceptable
 };
