@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <string>
+#include <string_view>
 
 #include <rths/identification/constants.hpp>
 #include <rths/identification/screening.hpp>
@@ -251,6 +253,62 @@ class ResidualView {
   Range path_{0, 0, "path [m]"}, time_{0, 0, "time since the record began [s]"}, load_, control_;
 };
 
+// A fine curve over displacement or velocity of one axis, fitted to forces without noise.
+class FineCurve {
+ public:
+  FineCurve(const Problem& problem, const std::string& abscissa)
+      : problem_{problem},
+        abscissa_{abscissa},
+        hats_{abscissa == "u" ? Hats{-1, 1, 100} : Hats{-kBentReach, kBentReach, 99}} {
+    for (std::size_t i = 0; i < problem.records(); ++i)
+      reach_ = std::max(reach_, state(i).cwiseAbs().maxCoeff());
+  }
+
+  // @returns share of the forces' energy that the curve explains
+  double fit(const std::vector<MatrixXd>& forces) {
+    MatrixXd normal = MatrixXd::Zero(hats_.count, hats_.count);
+    VectorXd right = VectorXd::Zero(hats_.count);
+    double all = 1e-300;
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      const VectorXd x = state(i) / reach_;
+      const Drive& drive = problem_.drive(i);
+      const MatrixXd basis = drive.compared_rows(hats_(abscissa_ == "v" ? bent(x) : x));
+      const VectorXd force = drive.compared_rows(forces[i]);
+      normal += basis.transpose() * basis;
+      right += basis.transpose() * force;
+      all += force.squaredNorm();
+    }
+    normal.diagonal().array() += kRidge * normal.diagonal().mean();
+    weights_ = maths::SymmetricFactors{normal}.solve(right);
+    return weights_.dot(2 * right - normal * weights_) / all;
+  }
+
+  [[nodiscard]] Description description(double share) const {
+    Description law{"f(" + abscissa_ + ")", share, "", {}, {}, {}};
+    law.x_label = abscissa_ == "v" ? "velocity [m/s]" : "displacement [m]";
+    for (Index i = 0; i < hats_.count; ++i) {
+      const double x = hats_.low + (hats_.high - hats_.low) * static_cast<double>(i) /
+                                       static_cast<double>(hats_.count - 1);
+      law.x.push_back(reach_ * (abscissa_ == "v" ? kBentSpeed * std::sinh(x) : x));
+      law.y.push_back(weights_[i]);
+      law.band.push_back(0);
+    }
+    return law;
+  }
+
+ private:
+  [[nodiscard]] VectorXd state(std::size_t record) const {
+    const Drive& drive = problem_.drive(record);
+    return abscissa_ == "v" ? drive.velocity.col(0) : drive.displacement.col(0);
+  }
+
+  const Problem& problem_;
+  std::string abscissa_;
+  Hats hats_;
+  double reach_ = 1e-300;
+  VectorXd weights_;
+};
+
 // Ridge regression on one fold, scored on the other.
 struct Regression {
   VectorXd weights, deviation;
@@ -315,6 +373,25 @@ Description curve_of(const Form& form, const Regression& best, const ResidualVie
 }
 
 }  // namespace
+
+std::optional<Description> common_law(const TestedHypothesis& with,
+                                      const TestedHypothesis& without) {
+  const Problem& problem = with.problem();
+  if (problem.drive(0).displacement.cols() != 1) return std::nullopt;
+  std::vector<MatrixXd> forces;
+  for (std::size_t i = 0; i < problem.records(); ++i) {
+    const MatrixXd one = with.prediction(i), other = without.prediction(i);
+    if (one.cols() != 1 || other.size() != one.size()) return std::nullopt;
+    forces.push_back(one - other);
+  }
+  for (const char* abscissa : {"u", "v"}) {
+    if (abscissa == std::string_view{"v"} && !problem.drive(0).has_time) continue;
+    FineCurve curve{problem, abscissa};
+    const double share = curve.fit(forces);
+    if (share > kCommonLaw) return curve.description(share);
+  }
+  return std::nullopt;
+}
 
 void regress_forms(const TestedHypothesis& tested, const Folds& folds,
                    std::vector<Description>& found) {

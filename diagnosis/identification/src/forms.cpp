@@ -125,11 +125,12 @@ std::vector<Description> describe(const TestedHypothesis& tested, const Folds& f
   }
   find_change(tested, folds, found);
   for (auto& one : found) one.is_of_pieces = share_a_record(folds);
-  // A surface contains every curve over one of its arguments, so it must explain more than the
-  // curve.
+  // A surface contains every curve over one of its arguments, and a curve of many knots those of
+  // few, so it must explain more than the curve.
   const auto worth = [](const Description& one) {
-    const bool is_surface = one.form == "g(u, v)" || one.form == "f(u_long, u_lat)";
-    return one.share - (is_surface ? kPriceOfSurface : 0);
+    const bool contains_curves = one.form == "g(u, v)" || one.form == "f(u_long, u_lat)" ||
+                                 one.form == "periodic in displacement";
+    return one.share - (contains_curves ? kPriceOfSurface : 0);
   };
   std::stable_sort(found.begin(), found.end(),
                    [&](const Description& a, const Description& b) { return worth(a) > worth(b); });

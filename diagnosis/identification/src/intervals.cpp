@@ -13,6 +13,7 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr double kSameValue = 1e-6;  // of a parameter's scale
+constexpr double kHeld = 1e-300;     // variance of a parameter that may not change
 
 // (JᵀJ)⁻¹. A parameter that the residual does not determine gets a large variance.
 MatrixXd inverse_of_normal(const MatrixXd& jacobian) {
@@ -45,7 +46,8 @@ struct Minimum {
     bound = VectorXd::Zero(jacobian.cols());
     for (Index i = 0; i < bound.size(); ++i) {
       if (!is_on_bound(hypothesis, i, kSameValue)) continue;
-      bound[i] = inverse(i, i);
+      const FreeParameter& free = hypothesis.free[static_cast<std::size_t>(i)];
+      bound[i] = free.low < free.high ? inverse(i, i) : kHeld;
       jacobian.col(i).setZero();
     }
     if ((bound.array() > 0).any()) inverse = inverse_of_normal(jacobian);
@@ -146,6 +148,15 @@ double fold_disagreement(const Problem& problem, const Folds& folds, const Hypot
   const MatrixXd covariance = one.inverse + other.inverse;
   const double square = difference.dot(maths::solve_symmetric(covariance, difference));
   return free > 0 && std::isfinite(square) ? std::sqrt(std::max(1.0, square / free)) : 1;
+}
+
+std::vector<Index> undetermined(const Problem& problem, const Fold& fold,
+                                const Hypothesis& fitted) {
+  const Minimum minimum{problem, fold, fitted};
+  std::vector<Index> indices;
+  for (Index i = 0; minimum.exists() && i < minimum.jacobian.cols(); ++i)
+    if (minimum.bound[i] == 0 && minimum.is_undetermined(i)) indices.push_back(i);
+  return indices;
 }
 
 MatrixXd covariance_of(const Problem& problem, const Fold& fold, const Hypothesis& fitted,

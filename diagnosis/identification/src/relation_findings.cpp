@@ -2,12 +2,17 @@
 #include <rths/identification/relation_findings.hpp>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <utility>
 
 #include <rths/identification/constants.hpp>
 #include <rths/identification/forms.hpp>
+#include <rths/identification/intervals.hpp>
+#include <rths/identification/scores.hpp>
+
+#include "named_model.hpp"
 
 namespace rths::diagnosis {
 namespace {
@@ -55,6 +60,32 @@ void prove(RelationFindings& found, DiagnosisProgress& progress) {
   if (found.has_remainder())
     found.descriptions =
         describe(TestedHypothesis{*found.problem, found.selection.named}, found.folds);
+}
+
+// A parameter of the model that the sizes of a named term can replace keeps its stated value: of
+// two with the same effect, the records show only the sum.
+void hold_replaceable(RelationFindings& found) {
+  const Hypothesis& stated = found.relation->base();
+  Hypothesis& named = found.selection.named;
+  while (found.is_named()) {
+    const auto all = undetermined(*found.problem, found.folds.both, named);
+    // Those of the model come first.
+    const Index of_model = std::ssize(stated.free);
+    if (all.empty() || all.front() >= of_model || all.back() < of_model) return;
+    FreeParameter& held = named.free[static_cast<std::size_t>(all.front())];
+    held.low = held.high = named.values[all.front()] = stated.values[all.front()];
+    named = fitted(*found.problem, named, found.folds.both, kLongFit);
+  }
+}
+
+// The law that several named terms draw together, at the fitted values of all others.
+std::optional<Description> common_law_of(const RelationFindings& found) {
+  const Selection& selection = found.selection;
+  const auto& rounds = selection.rounds;
+  if (std::count_if(rounds.begin(), rounds.end(), std::not_fn(is_rule)) < 2) return std::nullopt;
+  return common_law(
+      {*found.problem, selection.named},
+      {*found.problem, with_rounds(selection.base, rounds, is_rule, selection.named)});
 }
 
 // Withdraws candidates until none is left to withdraw, and proves what stays after each.
@@ -134,6 +165,8 @@ std::unique_ptr<RelationFindings> examine(std::unique_ptr<Relation> relation,
   });
   withdraw_resemblances(*found, progress);
   renew_ties(*found);
+  hold_replaceable(*found);
+  found->common_law = common_law_of(*found);
   return found;
 }
 

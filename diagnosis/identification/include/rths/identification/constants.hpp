@@ -159,6 +159,7 @@ inline constexpr double kFarAbove =
 inline constexpr double kExplained = 0.85;  ///< [-] of the systematic residual: the rest remains
 inline constexpr double kMostly = 0.5;      ///< [-] of it: the least beside an unknown rest
 inline constexpr double kHasForm = 0.3;     ///< [-] of the remainder: it has this form
+inline constexpr double kCommonLaw = 0.95;  ///< [-] of the energy of several terms, by one curve
 inline constexpr double kPlain = 0.5;       ///< [-] variance beyond the noise, in all records
 inline constexpr double kPlainEvent = 1;    ///< [-] the same, in one of them
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,5 +39,11 @@ struct Description {
 /// together with the parameters; infinite without any. A surface would also fit what another effect
 /// leaves.
 [[nodiscard]] double least_left(const TestedHypothesis& tested, const Fold& fold);
+
+/// The curve over displacement or velocity that the terms of one hypothesis, which the other lacks,
+/// draw together on one axis: another law of this form fits the records as well. None if their
+/// force depends on more.
+[[nodiscard]] std::optional<Description> common_law(const TestedHypothesis& with,
+                                                    const TestedHypothesis& without);
 
 }  // namespace rths::diagnosis

@@ -48,4 +48,8 @@ struct Estimate {
 [[nodiscard]] double fold_disagreement(const Problem& problem, const Folds& folds,
                                        const Hypothesis& fitted);
 
+/// Indices of free parameters whose whole effect on a fold the others can cause.
+[[nodiscard]] std::vector<Index> undetermined(const Problem& problem, const Fold& fold,
+                                              const Hypothesis& fitted);
+
 }  // namespace rths::diagnosis

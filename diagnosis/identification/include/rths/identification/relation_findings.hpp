@@ -24,6 +24,7 @@ struct RelationFindings {
   std::vector<Withdrawn> withdrawn;  ///< selected, but not named
   Proof proof;
   std::vector<Description> descriptions;  ///< of the remaining residual, if it is systematic
+  std::optional<Description> common_law;  ///< of which the named terms, two or more, are parts
 
   [[nodiscard]] bool is_named() const { return !selection.rounds.empty(); }
   /// Returns true if the residual that the named terms leave is systematic.
