@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "numbers.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
+#include <vector>
 
 #include <rths/maths/statistics.hpp>
 #include <rths/report/diagnosis.hpp>
@@ -12,6 +15,8 @@
 namespace rths::report {
 namespace {
 
+using diagnosis::Cause;
+using diagnosis::is_guess;
 using diagnosis::Verdict;
 
 // JSON cannot represent NaN and infinity: they become null.
@@ -127,6 +132,7 @@ Json relation_json(const diagnosis::RelationVerdict& relation) {
           {"verdict", name_of(relation.outcome)},
           {"remainder", relation.has_remainder},
           {"causes", relation.causes},
+          {"common_law", text_or_null(relation.common_law)},
           {"held_out", relation.is_held_out},
           {"left_nat", number(relation.left)},
           {"proof", proof_json(relation.proof)}};
@@ -243,7 +249,11 @@ Json verdict_numbers(const Verdict& verdict) {
   json["where"] = where_json(verdict.conclusion.where);
   json["budget"] = budget_json(verdict.budget);
   json["improved_response"] = bands_json(verdict.bands);
-  json["causes"] = each(verdict.conclusion.causes, cause_json);
+  std::vector<Cause> causes = verdict.conclusion.causes, guesses;
+  std::copy_if(causes.begin(), causes.end(), std::back_inserter(guesses), is_guess);
+  std::erase_if(causes, is_guess);
+  json["causes"] = each(causes, cause_json);
+  json["guesses"] = each(guesses, cause_json);
   json["relations"] = each(verdict.relations, relation_json);
   json["fit"] = Json::object();
   for (const auto& score : verdict.evaluation.fit) json["fit"][score.record] = score_json(score);

@@ -3,7 +3,7 @@
 (() => {
   const { el, byId } = plots;
   const { number, share, percent, estimate, axis, largest, scaled } = quantities;
-  const { v, isMissing, named, tied, placeOf, hide, traceOf, tableOf } = verdict;
+  const { v, terms, hasTerms, named, tied, placeOf, hide, traceOf, tableOf } = verdict;
 
   // --- header ------------------------------------------------------------------------------------
   const header = () => {
@@ -33,7 +33,7 @@
   // --- form, causes, model -----------------------------------------------------------------------
   const form = () => {
     if (!v.descriptions.length) return hide("form");
-    if (v.causes.length) {
+    if (hasTerms) {
       byId("form-title").textContent = "Form of the remainder";
       byId("form-text").textContent = "A systematic residual remains beside the named causes. Its form is its mean over the " +
         "quantity on which it depends. It is scored on a record that it was not fitted to; held samples and sudden changes " +
@@ -54,10 +54,10 @@
   const kMostRows = 12;
   const causes = () => {
     if (!v.evidence.length) return hide("what");
-    if (!isMissing) byId("what-title").textContent = "Tried candidates";
+    if (!hasTerms) byId("what-title").textContent = "Tried candidates";
     byId("what-text").textContent = "Gain of each single candidate of the catalogue in log-likelihood per observation [nat], " +
       "on blocks that it was not fitted to. All other free parameters are fitted again. 90 % intervals from resampling. " +
-      (isMissing ? "Dark: named. Light: tied with it. Grey: others." : "None is accepted.");
+      (hasTerms ? "Dark: named. Light: tied with it. Grey: others." : "None is accepted.");
     const places = Math.max(1, Math.min(4, 1 - Math.floor(Math.log10(Math.max(...v.evidence.map(e => Math.abs(e.gain_nat ?? 0)), 1e-9)))));
     const items = v.evidence.map(e => ({ title: e.title || e.name, name: e.name, value: e.gain_nat, low: e.ci90[0], high: e.ci90[1],
       shown: e.gain_nat == null ? "–" : quantities.decimals(e.gain_nat, places), kind: named.has(e.name) ? "named" : tied.has(e.name) ? "tied" : "" }));
@@ -95,9 +95,9 @@
   };
 
   const model = () => {
-    if (!v.causes.length && !v.improved_model) return hide("model");
-    for (const c of v.causes) {
-      const card = el("div", { className: "cause" }, el("h3", { textContent: c.title || c.name }),
+    if (!hasTerms && !v.improved_model) return hide("model");
+    for (const c of terms) {
+      const card = el("div", { className: "cause" }, el("h3", { textContent: (v.guesses.includes(c) ? "Perhaps: " : "") + (c.title || c.name) }),
         el("p", { className: "facts" }, el("code", { textContent: c.name }),
           ` · ${placeOf(c.part)}, ${c.channel}`,
           c.explained_fraction == null ? "" : ` · explains ${share(c.explained_fraction)}`));

@@ -3,7 +3,7 @@
 const proof = (() => {
   const { el, byId } = plots;
   const { number, share, percent, axis, largest, scaled } = quantities;
-  const { v, isMissing, hide, traces, traceOf, tableOf } = verdict;
+  const { v, terms, hasTerms, hide, traces, traceOf, tableOf } = verdict;
 
   const scores = () => {
     const entries = Object.entries(v.fit);
@@ -20,7 +20,7 @@ const proof = (() => {
       const box = el("div", { className: "dots" });
       const both = s.nrmse_before > 0 && s.nrmse_after > 0;
       if (s.noise_floor > 0) box.append(dot("u", s.noise_floor));
-      if (both && isMissing) {
+      if (both && hasTerms) {
         const line = el("i"), [a, b] = [at(s.nrmse_after), at(s.nrmse_before)].sort((p, q) => p - q);
         line.style.left = `${a}%`;
         line.style.width = `${b - a}%`;
@@ -31,10 +31,10 @@ const proof = (() => {
     };
     const columns = [["record", ([record]) => record], ["use", ([record, s]) => (record === v.proof_record ? "proof" : s.use.replace("_", " "))],
       ["as stated", ([, s]) => percent(s.nrmse_stated)],
-      ...(isMissing ? [["before", ([, s]) => percent(s.nrmse_before)], ["after", ([, s]) => percent(s.nrmse_after)]]
+      ...(hasTerms ? [["before", ([, s]) => percent(s.nrmse_before)], ["after", ([, s]) => percent(s.nrmse_after)]]
         : [["fitted", ([, s]) => percent(s.nrmse_after)]]),
-      ["noise alone", ([, s]) => percent(s.noise_floor)], [isMissing ? "variance after" : "variance", ([, s]) => number(s.variance_after, 3)],
-      [isMissing ? "before → after, dotted: noise" : "dotted: noise", ([, s]) => dots(s)]];
+      ["noise alone", ([, s]) => percent(s.noise_floor)], [hasTerms ? "variance after" : "variance", ([, s]) => number(s.variance_after, 3)],
+      [hasTerms ? "before → after, dotted: noise" : "dotted: noise", ([, s]) => dots(s)]];
     const table = tableOf(columns.map(([title]) => title), entries.map(entry => columns.map(([, cell]) => cell(entry))),
       [0, 1, columns.length - 1]);
     table.querySelectorAll("tbody tr").forEach((row, i) => {
@@ -56,7 +56,7 @@ const proof = (() => {
     byId("proof-residual").replaceChildren();
     const y = scaled(trace.unit, largest(trace.measured));
     const inUnit = values => values.map(value => value * y.factor);
-    const pair = isMissing
+    const pair = hasTerms
       ? [{ label: "predicted before", color: "before", dash: theme.DASH.before, side: "before", width: 1.3, y: inUnit(trace.before) },
         { label: "predicted after", color: "after", side: "after", width: 1.3, y: inUnit(trace.after) }]
       : [{ label: "predicted", color: "after", width: 1.3, y: inUnit(trace.after) }];
@@ -64,16 +64,16 @@ const proof = (() => {
     const label = `${trace.channel} [${y.unit || "–"}]`;
     if (trace.abscissa.length) {
       const x = axis(trace.abscissa_label, largest(trace.abscissa));
-      curtain.loops("proof-curves", "Loops", x.label, label, trace.abscissa.map(value => value * x.factor), trace.time, [measured, ...pair], isMissing);
+      curtain.loops("proof-curves", "Loops", x.label, label, trace.abscissa.map(value => value * x.factor), trace.time, [measured, ...pair], hasTerms);
     }
-    curtain.histories("proof-curves", "Time history", label, trace.time, [measured, ...pair], isMissing, { timeLabel: trace.time_label });
+    curtain.histories("proof-curves", "Time history", label, trace.time, [measured, ...pair], hasTerms, { timeLabel: trace.time_label });
     const errors = pair.map(c => ({ ...c, label: c.label.replace("predicted", "measured − predicted"), width: 1,
       y: c.y.map((value, i) => measured.y[i] - value) }));
     const floor = v.fit[trace.record] && v.fit[trace.record].noise_floor;
     const e = scaled(trace.unit, largest(errors.flatMap(c => c.y)) / y.factor);
     for (const c of errors) c.y = c.y.map(value => value / y.factor * e.factor);
     const most = 1.05 * Math.max(...errors.map(c => largest(c.y)));
-    curtain.histories("proof-residual", "Residual", `residual [${e.unit || "–"}]`, trace.time, errors, isMissing,
+    curtain.histories("proof-residual", "Residual", `residual [${e.unit || "–"}]`, trace.time, errors, hasTerms,
       { timeLabel: trace.time_label, height: 220, noise: floor ? 2 * floor * std(trace.measured) * e.factor : 0, range: [-most, most] });
   };
 
@@ -83,7 +83,7 @@ const proof = (() => {
 
   // Figures of the chosen record and channel; "before" lacks all named causes, or one of them.
   const shown = first => {
-    const setErrors = isMissing ? curtain.slider(byId("curtain")) : () => {};
+    const setErrors = hasTerms ? curtain.slider(byId("curtain")) : () => {};
     let shownTrace = first, leftOut = "";
     const show = trace => {
       shownTrace = trace;
@@ -95,7 +95,7 @@ const proof = (() => {
       curves(without ? { ...trace, before: without } : trace);
     };
     const causes = [...new Set(traces.flatMap(t => Object.keys(t.without)))];
-    if (isMissing && causes.length) {
+    if (hasTerms && causes.length) {
       const choice = el("select", { ariaLabel: "cause left out before" });
       choice.append(el("option", { value: "", textContent: "all named causes" }));
       for (const name of causes)
@@ -113,11 +113,11 @@ const proof = (() => {
   };
 
   const draw = () => {
-    if (!isMissing) byId("proof-title").textContent = "Residual";
+    if (!hasTerms) byId("proof-title").textContent = "Residual";
     byId("proof-text").textContent = (v.proof_record
       ? `${v.proof_record} was used neither for fitting nor for choosing. `
       : "No record was held out: the following is not a proof. ") +
-      "Errors are root mean squares over the standard deviation of the measurement." + (isMissing
+      "Errors are root mean squares over the standard deviation of the measurement." + (hasTerms
       ? " “Before” is refitted without the named terms, so that the comparison shows more than a better fit." : "");
     scores();
     const first = traceOf(v.proof_record, v.where.channel) || traces[0];
@@ -128,7 +128,7 @@ const proof = (() => {
   };
 
   const rivals = () => {
-    const others = v.causes.flatMap(c => c.alternatives.map(a => ({ ...a, of: c })));
+    const others = terms.flatMap(c => c.alternatives.map(a => ({ ...a, of: c })));
     if (!v.ablation.length && !others.length) return hide("rivals");
     byId("rivals-text").textContent = v.ablation.length
       ? "Error on the record of the proof after a change of the named terms and a refit. Dotted: noise alone." : "";

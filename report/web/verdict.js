@@ -4,16 +4,17 @@ const verdict = (() => {
   const { data, unpack, el, byId } = plots;
   const v = data.verdict;
   plots.marks.synthetic = v.synthetic;
-  const isMissing = v.verdict === "missing";
+  const terms = [...v.causes, ...v.guesses]; // of the improved simulation
+  const hasTerms = terms.length > 0;
   const proof = v.fit[v.proof_record];
-  const named = new Set(v.causes.map(c => c.name));
-  const tied = new Set(v.causes.flatMap(c => c.alternatives.map(a => a.name)));
+  const named = new Set(terms.map(c => c.name));
+  const tied = new Set(terms.flatMap(c => c.alternatives.map(a => a.name)));
   const PARTS = ["numerical", "actuator", "machine", "bearing", "structure", "sensor"];
   // In a word: of what was tested, where the records do not tell it from its machine.
   const isObject = part => ["machine", "bearing", "structure"].includes(part);
   const isFree = ["system", "structure"].includes(v.specimen);
   const placeOf = part => (v.specimen && isObject(part) ? v.specimen : isFree && part === "actuator" ? "input" : part === "numerical" ? "numerical part" : part);
-  const guilty = new Set(v.causes.length ? v.causes.map(c => placeOf(c.part)) : [placeOf(v.where.part)]);
+  const guilty = new Set(hasTerms ? terms.map(c => placeOf(c.part)) : [placeOf(v.where.part)]);
   const hide = (...ids) => { for (const id of ids) byId(id).hidden = true; };
   // Without a refit or a named term, the predictions before and after are the same.
   const unpacked = t => {
@@ -37,5 +38,5 @@ const verdict = (() => {
       el("tbody", {}, ...rows.map(row => el("tr", {}, ...cells("td", row)))));
   };
 
-  return { v, isMissing, proof, named, tied, PARTS, placeOf, guilty, hide, traces, traceOf, tableOf };
+  return { v, terms, hasTerms, proof, named, tied, PARTS, placeOf, guilty, hide, traces, traceOf, tableOf };
 })();

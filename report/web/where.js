@@ -3,7 +3,7 @@
 const where = (() => {
   const { el, byId } = plots;
   const { axis, largest, scaled } = quantities;
-  const { v, PARTS, placeOf, guilty, hide, traceOf } = verdict;
+  const { v, terms, PARTS, placeOf, guilty, hide, traceOf } = verdict;
 
   // Measured loops, coloured by the energy beyond the noise; the largest on top.
   const heatedLoops = trace => {
@@ -49,7 +49,7 @@ const where = (() => {
   const draw = () => {
     const w = v.where;
     if (v.verdict === "none" || !w.channel) return hide("where");
-    const isRuled = v.causes.some(c => c.is_rule) && v.causes.some(c => !c.is_rule);
+    const isRuled = terms.some(c => c.is_rule) && terms.some(c => !c.is_rule);
     const isNamed = w.of === "named terms", energy = isNamed ? "the energy" : "the energy beyond the noise";
     const on = w.record ? `, on ${w.record}` : "", rule = "with the right hysteresis rule";
     byId("where-text").textContent =

@@ -216,7 +216,7 @@ std::string json_of(const Difference& difference) {
                                  {"causes", nlohmann::ordered_json::array()}};
   if (difference.verdict)
     for (const auto& cause : difference.verdict->conclusion.causes)
-      json["causes"].push_back(cause.name);
+      if (!is_guess(cause)) json["causes"].push_back(cause.name);
   return json.dump();
 }
 

@@ -119,6 +119,20 @@ TEST(Headline, DoubtsRareNames) {
   EXPECT_EQ(answers_of(verdict).headline.rfind("Perhaps missing: ", 0), 0U);
 }
 
+TEST(Headline, DoubtsARareNameBesideASureOne) {
+  Verdict verdict = untied_verdict();
+  verdict.conclusion.causes.push_back(heating());
+  verdict.conclusion.causes[1].confidence = 0.3;
+  verdict.conclusion.has_remainder = true;
+
+  const Answers answers = answers_of(verdict);
+
+  EXPECT_EQ(answers.headline.rfind("Missing: Coulomb friction", 0), 0U) << answers.headline;
+  EXPECT_NE(answers.headline.find("and perhaps "), std::string::npos) << answers.headline;
+  EXPECT_NE(answers.missing.find("Perhaps strength that falls"), std::string::npos)
+      << answers.missing;
+}
+
 TEST(Headline, SaysThatMoreIsMissing) {
   Verdict verdict = untied_verdict();
   verdict.conclusion.has_remainder = true;

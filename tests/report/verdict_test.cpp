@@ -93,6 +93,7 @@ TEST(VerdictJson, TellsWhatEachRelationShows) {
                         diagnosis::Outcome::Missing,
                         true,
                         {"coulomb_friction"},
+                        "f(v)",
                         true,
                         12.5,
                         {0.09, 0.006, std::nan(""), 0.99, false, false, false}}};
@@ -104,9 +105,25 @@ TEST(VerdictJson, TellsWhatEachRelationShows) {
   EXPECT_EQ(relation["verdict"], "missing");
   EXPECT_EQ(relation["remainder"], true);
   EXPECT_EQ(relation["causes"][0], "coulomb_friction");
+  EXPECT_EQ(relation["common_law"], "f(v)");
   EXPECT_EQ(relation["left_nat"], 12.5);
   EXPECT_EQ(relation["proof"]["nrmse_after"], 0.006);
   EXPECT_TRUE(relation["proof"]["noise_floor"].is_null());
+}
+
+TEST(VerdictJson, TellsGuessesFromCauses) {
+  diagnosis::Verdict verdict = missing_verdict();
+  diagnosis::Cause guess = verdict.conclusion.causes[0];
+  guess.name = "quadratic_drag";
+  guess.confidence = 0.49;
+  verdict.conclusion.causes.push_back(guess);
+
+  const auto json = parsed(verdict);
+
+  ASSERT_EQ(json["causes"].size(), 1U);
+  EXPECT_EQ(json["causes"][0]["name"], "coulomb_friction");
+  ASSERT_EQ(json["guesses"].size(), 1U);
+  EXPECT_EQ(json["guesses"][0]["name"], "quadratic_drag");
 }
 
 TEST(VerdictJson, HoldsWhatSpeaksForACause) {

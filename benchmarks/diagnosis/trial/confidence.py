@@ -3,7 +3,7 @@
 import math
 
 # Each feature is 0 where nothing speaks against a name, and grows with what does.
-FEATURES = ("rivals", "rarely_best", "left", "remainder", "unknown", "beside", "not_held_out", "noise_unknown")
+FEATURES = ("rivals", "rarely_best", "left", "remainder", "unknown", "beside", "parts", "not_held_out", "noise_unknown")
 LEAST_GAIN = 1e-3  # [nat]
 
 
@@ -18,4 +18,5 @@ def features_of(cause, relation):
             "left": math.log1p((relation["left_nat"] or 0) / max(cause["gain_nat"], LEAST_GAIN)),
             "remainder": float(relation["remainder"]), "unknown": float(relation["verdict"] == "unknown"),
             "beside": math.log(max(1, len(relation["causes"]))),
+            "parts": math.log(max(1, len(relation["causes"]))) if relation.get("common_law") else 0.0,
             "not_held_out": float(not relation["held_out"]), "noise_unknown": float(not relation["proof"]["noise_known"])}

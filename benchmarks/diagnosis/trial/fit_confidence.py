@@ -55,7 +55,7 @@ def _of_known_cases(out, right):
         relation = {name: one for one in verdict["relations"] for name in one["causes"]}
         names += [{"name": cause["name"], "confidence": cause["confidence"], "case": case, "set": "recorded", "outcome": verdict["verdict"],
                    "right": canonical(cause["name"]) in {canonical(name) for name in expected},
-                   "features": features_of(cause, relation.get(cause["name"]))} for cause in verdict["causes"]]
+                   "features": features_of(cause, relation.get(cause["name"]))} for cause in (*verdict["causes"], *verdict.get("guesses", []))]
     return names
 
 

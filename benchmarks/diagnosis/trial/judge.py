@@ -161,11 +161,11 @@ def _effect_row(verdict, answer, effect):
 
 
 def names_of(verdict, effects):
-    """Each name with its confidence, what speaks for it, and whether it is right."""
+    """Each name and guess with its confidence, what speaks for it, and whether it is right."""
     relation = {name: one for one in verdict.get("relations", []) for name in one["causes"]}
     return [{"name": cause["name"], "confidence": cause["confidence"], "right": _is_right(cause, effects),
              "features": features_of(cause, relation.get(cause["name"]))}
-            for cause in verdict["causes"] if cause.get("confidence") is not None]
+            for cause in (*verdict["causes"], *verdict.get("guesses", [])) if cause.get("confidence") is not None]
 
 
 def naming(verdict, answer):
@@ -192,8 +192,9 @@ def _is_same_cause(one, other):
 
 def beside_recording(verdict, control):
     """The verdict without the causes that the tool also names in the control."""
-    return {**verdict, "causes": [cause for cause in verdict["causes"]
-                                  if not any(_is_same_cause(cause, other) for other in control["causes"])]}
+    of_recording = [*control["causes"], *control.get("guesses", [])]
+    return {**verdict, **{key: [cause for cause in verdict.get(key, [])
+                                if not any(_is_same_cause(cause, other) for other in of_recording)] for key in ("causes", "guesses")}}
 
 
 def _beside_rows(verdict, answer, control):
@@ -203,7 +204,7 @@ def _beside_rows(verdict, answer, control):
     kept = {id(cause) for cause in left["causes"]}
     return {"of_recording": [cause["name"] for cause in verdict["causes"] if id(cause) not in kept],
             "right_first_beside": is_right_first(named, effects), "all_named_beside": are_all_named(named, effects),
-            "spurious_beside": spurious_names(left, effects), "named": names_of({**verdict, "causes": left["causes"]}, effects)}
+            "spurious_beside": spurious_names(left, effects), "named": names_of(left, effects)}
 
 
 def judge(verdict, answer, control=None):

@@ -67,7 +67,7 @@ def _numbers(verdict):
 
 
 def _sizes(verdict):
-    for cause in verdict["causes"]:
+    for cause in (*verdict["causes"], *verdict.get("guesses", [])):
         sizes = [row for row in cause["parameters"].values() if row.get("absent") is not None and row["value"] is not None]
         if sizes and not cause["is_rule"] and cause["name"] != FORM_OF_LOOP and all(row["ci95"][0] <= row["absent"] <= row["ci95"][1] for row in sizes):
             yield f"{cause['name']} may have no size"

@@ -20,7 +20,6 @@ namespace rths::diagnosis {
 namespace {
 
 constexpr std::size_t kMostWords = 25, kMostNumbers = 3;  // of a headline
-constexpr double kUnsure = 0.5;                           // [-] confidence of a name below it
 
 /// How much of a headline is told. Each step leaves out more.
 struct Detail {
@@ -169,12 +168,18 @@ std::string named(const Cause& cause, const Verdict& verdict, const Detail& deta
                      enumerated(names, " or "));
 }
 
-// "friction (machine), heating (bearing), and others"
+bool are_guesses(const std::vector<Cause>& causes) {
+  return std::all_of(causes.begin(), causes.end(), is_guess);
+}
+
+// "friction (machine), perhaps heating (bearing), and others"
 std::string all_named(const Verdict& verdict, const Detail& detail) {
   const auto& causes = verdict.conclusion.causes;
+  const bool has_causes = !are_guesses(causes);
   std::vector<std::string> names;
   for (std::size_t i = 0; i < std::min(causes.size(), detail.most_named); ++i)
-    names.push_back(named(causes[i], verdict, detail));
+    names.push_back((has_causes && is_guess(causes[i]) ? "perhaps " : "") +
+                    named(causes[i], verdict, detail));
   const std::size_t rest = causes.size() - names.size();
   if (rest > 0) names.push_back(rest == 1 ? "another effect" : "others");
   return enumerated(names, names.size() > 1 ? ", and " : " and ");
@@ -207,9 +212,10 @@ std::string improvement_of(const Verdict& verdict, const Detail& detail) {
                          : fmt::format("{} falls by {}", error, percent_of(1 - 1 / times));
 }
 
-bool is_guess(const std::vector<Cause>& causes) {
-  return std::all_of(causes.begin(), causes.end(),
-                     [](const Cause& cause) { return cause.confidence < kUnsure; });
+// "Perhaps missing: friction (machine)"
+std::string start_of(const Verdict& verdict, const Detail& detail) {
+  return (are_guesses(verdict.conclusion.causes) ? "Perhaps missing: " : "Missing: ") +
+         all_named(verdict, detail);
 }
 
 // The most detailed of some texts that is short enough; else the shortest.
@@ -226,8 +232,7 @@ std::string shortest_of(const Text& text) {
 std::string missing_headline(const Verdict& verdict) {
   const Conclusion& found = verdict.conclusion;
   return shortest_of([&](const Detail& detail) {
-    std::string text = fmt::format("{}: {}", is_guess(found.causes) ? "Perhaps missing" : "Missing",
-                                   all_named(verdict, detail));
+    std::string text = start_of(verdict, detail);
     const std::string improvement = improvement_of(verdict, detail);
     if (!improvement.empty()) text += "; " + improvement;
     return text + (found.has_remainder ? ", but more is missing." : ".");
@@ -254,6 +259,13 @@ std::string variable_of(const Verdict& verdict) {
   return with_spoken_roles(label.substr(0, label.find(" [")));
 }
 
+// Whether a residual is left that no term explains, and no guess.
+bool has_unknown_rest(const Verdict& verdict) {
+  return std::any_of(verdict.relations.begin(), verdict.relations.end(), [](const auto& relation) {
+    return relation.has_remainder || relation.outcome == Outcome::Unknown;
+  });
+}
+
 std::string unknown_headline(const Verdict& verdict) {
   const Conclusion& found = verdict.conclusion;
   const double after = verdict.evaluation.proof.after;
@@ -269,9 +281,9 @@ std::string unknown_headline(const Verdict& verdict) {
   }
   return shortest_of([&](const Detail& detail) {
     const std::string improvement = improvement_of(verdict, detail);
-    return fmt::format("{}: {}{}; the rest has no name.",
-                       is_guess(found.causes) ? "Perhaps missing" : "Missing",
-                       all_named(verdict, detail), !improvement.empty() ? "; " + improvement : "");
+    return fmt::format("{}{}{}", start_of(verdict, detail),
+                       !improvement.empty() ? "; " + improvement : "",
+                       has_unknown_rest(verdict) ? "; the rest has no name." : ".");
   });
 }
 
@@ -281,7 +293,8 @@ std::string unknown_headline(const Verdict& verdict) {
 std::string told(const Cause& cause, const Verdict& verdict) {
   const std::string place = place_of(cause.part, verdict);
   const std::string title = with_spoken_roles(cause.title);
-  std::string text = cause.is_rule ? "Another hysteresis rule: " + title : capitalised(title);
+  std::string text = is_guess(cause) ? "Perhaps " + title : capitalised(title);
+  if (cause.is_rule) text = "Another hysteresis rule: " + title;
   if (text.find(place) == std::string::npos) text += " in the " + place;
   std::vector<std::string> sizes;
   for (const auto& size : told_sizes(cause)) sizes.push_back(told(size));
@@ -297,6 +310,7 @@ std::string told(const Cause& cause, const Verdict& verdict) {
 std::string remainder_told(const Verdict& verdict) {
   const Conclusion& found = verdict.conclusion;
   if (found.outcome != Outcome::Unknown && !found.has_remainder) return "";
+  if (!found.causes.empty() && !has_unknown_rest(verdict)) return "";
   std::string text = found.causes.empty()
                          ? fmt::format("The error of the {} is systematic, and shows in the {}.",
                                        channel_of(verdict), place_of(found.where.part, verdict))

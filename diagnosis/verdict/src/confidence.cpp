@@ -22,6 +22,7 @@ constexpr double kLeft = 6.169;
 constexpr double kRemainder = 3.564;
 constexpr double kUnknown = 0.201;
 constexpr double kBeside = 2.449;
+constexpr double kParts = 0;
 constexpr double kNotHeldOut = 1;
 constexpr double kNoiseUnknown = 0.681;
 
@@ -42,7 +43,7 @@ double confidence_in(const Cause& cause, const RelationVerdict& relation) {
   const auto named = static_cast<double>(std::max<std::size_t>(1, relation.causes.size()));
   double against = kRivals * std::log1p(rivals) + kRarelyBest * (1 - cause.support.best) +
                    kLeft * std::log1p(relation.left / std::max(cause.support.gain, kLeastGain)) +
-                   kBeside * std::log(named);
+                   (kBeside + (relation.common_law.empty() ? 0 : kParts)) * std::log(named);
   if (relation.has_remainder) against += kRemainder;
   if (relation.outcome == Outcome::Unknown) against += kUnknown;
   if (!relation.is_held_out) against += kNotHeldOut;
@@ -54,11 +55,10 @@ double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known) 
   // Shares of such verdicts that were right in the same cases [-]. Where the noise is not known, a
   // judgement.
   constexpr double kNone = 0.96, kNoneInUnknownNoise = 0.8, kUnknownOutcome = 0.87;
-  if (!conclusion.causes.empty()) {
-    double lowest = kMost;
-    for (const auto& cause : conclusion.causes) lowest = std::min(lowest, cause.confidence);
-    return lowest;
-  }
+  double lowest = 1;
+  for (const auto& cause : conclusion.causes)
+    if (!is_guess(cause)) lowest = std::min(lowest, cause.confidence);
+  if (lowest < 1) return lowest;
   if (conclusion.outcome == Outcome::Unknown) return kUnknownOutcome;
   return is_noise_known ? kNone : kNoneInUnknownNoise;
 }

@@ -300,6 +300,27 @@ void name_lattices(const std::vector<Lattice>& lattices, Conclusion& conclusion)
   conclusion.where.channel = family_of(lattices[0].role);
 }
 
+// A guess is no cause: beside causes it is a remainder, and alone it leaves unknown what is
+// missing.
+void doubt_guesses(Conclusion& conclusion) {
+  const auto& causes = conclusion.causes;
+  const auto guesses = std::count_if(causes.begin(), causes.end(), is_guess);
+  if (guesses == 0) return;
+  if (guesses == std::ssize(causes)) conclusion.outcome = Outcome::Unknown;
+  conclusion.has_remainder = conclusion.outcome == Outcome::Missing;
+}
+
+// The law of which all guesses are parts is what is known of the form.
+void describe_guesses(const RelationFindings& shown, Verdict& verdict) {
+  if (!shown.common_law || verdict.conclusion.outcome != Outcome::Unknown ||
+      verdict.conclusion.causes.empty())
+    return;
+  Description law = *shown.common_law;
+  law.share = shown.proof.explained();
+  law.channel = output_of(shown);
+  verdict.descriptions.insert(verdict.descriptions.begin(), std::move(law));
+}
+
 Conclusion conclude(const AllFindings& all, const Ranking& ranking, std::vector<Cause> causes,
                     Where where, const std::vector<Lattice>& lattices) {
   const RelationFindings& shown = *ranking.shown;
@@ -316,6 +337,7 @@ Conclusion conclude(const AllFindings& all, const Ranking& ranking, std::vector<
   conclusion.where = std::move(where);
   if (!conclusion.causes.empty()) conclusion.where.part = conclusion.causes[0].part;
   if (!lattices.empty()) name_lattices(lattices, conclusion);
+  doubt_guesses(conclusion);
   conclusion.confidence = confidence_in_outcome(
       conclusion, std::all_of(all.begin(), all.end(),
                               [](const auto& found) { return found->problem->is_noise_known(); }));
@@ -405,6 +427,7 @@ Verdict verdict_on(const Case& given, const DiagnosisOptions& options,
   append(inseparable_of(next, causes), verdict.limits);
   verdict.next = {std::move(next.text), std::move(next.motion)};
   verdict.conclusion = conclude(all, ranking, std::move(causes), std::move(where), lattices);
+  describe_guesses(shown, verdict);
   verdict.improvement = improvement_of(given, c, all, lattices, !verdict.conclusion.causes.empty());
   if (is_composition(c.model.kind)) {
     verdict.improvement.deviations = deviations_of(all, covariances);

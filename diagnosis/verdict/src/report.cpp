@@ -342,6 +342,7 @@ RelationVerdict verdict_of(const RelationFindings& found) {
   verdict.has_remainder = found.has_remainder();
   for (const auto& round : found.selection.rounds)
     verdict.causes.push_back(round.chosen.candidate.name);
+  if (found.common_law) verdict.common_law = found.common_law->form;
   verdict.is_held_out = found.proof.is_held_out;
   verdict.left = 0.5 * observations(*found.problem, found.folds.both) *
                  std::max(0.0, found.selection.variance_named - 1);

@@ -94,7 +94,8 @@ std::string rest_of(const Verdict& verdict) {
 std::string list_of(const std::vector<Cause>& causes) {
   std::string text;
   for (const auto& cause : causes)
-    text += fmt::format("{}{}{} ({}{})", text.empty() ? "" : " and ",
+    text += fmt::format("{}{}{}{} ({}{})", text.empty() ? "" : " and ",
+                        is_guess(cause) ? "perhaps " : "",
                         cause.is_rule ? "a different hysteresis rule: " : "", cause.title,
                         name_of(cause.part), sizes_of(cause));
   return text;
@@ -174,6 +175,14 @@ std::string form_text(const Description& best) {
                      100 * best.share, where);
 }
 
+// The terms explain the residual, but their names are more often wrong than right.
+std::string guess_sentence(const Verdict& verdict) {
+  return fmt::format(
+      "Unknown: {}; {}. Such names are more often wrong than right, and only describe what is "
+      "missing{}.{}",
+      list_of(verdict.conclusion.causes), proof_of(verdict), others_of(verdict), ties_of(verdict));
+}
+
 std::string unknown_sentence(const Verdict& verdict) {
   const std::string besides =
       verdict.conclusion.causes.empty()
@@ -230,7 +239,11 @@ std::string name_of(Outcome outcome) {
 
 std::string sentence_of(const Verdict& verdict) {
   if (verdict.conclusion.outcome == Outcome::None) return none_sentence(verdict);
+  const auto& causes = verdict.conclusion.causes;
+  const bool is_guessed = !causes.empty() && std::all_of(causes.begin(), causes.end(), is_guess) &&
+                          verdict.relations[0].outcome == Outcome::Missing;
   return (verdict.conclusion.outcome == Outcome::Missing ? missing_sentence(verdict)
+          : is_guessed                                   ? guess_sentence(verdict)
                                                          : unknown_sentence(verdict)) +
          doubt_of(verdict);
 }

@@ -55,6 +55,12 @@ struct Cause {
   std::vector<Alternative> alternatives;
 };
 
+/// A name that is more often wrong than right: no cause, but a law that describes what is missing.
+[[nodiscard]] inline bool is_guess(const Cause& cause) {
+  constexpr double kLikely = 0.5;
+  return cause.confidence < kLikely;
+}
+
 /// A cell of the displacement-velocity plane.
 struct StateCell {
   std::pair<double, double> displacement, velocity;  ///< from, to [m], [m/s]
@@ -140,18 +146,19 @@ struct RelationVerdict {
   std::vector<std::string> outputs;  ///< roles of the predicted channels
   Outcome outcome = Outcome::None;
   bool has_remainder = false;       ///< a systematic residual is left
-  std::vector<std::string> causes;  ///< names
-  bool is_held_out = false;         ///< the proof is one on unseen records
-  double left = 0;                  ///< energy beyond the noise that the named terms leave [nat]
+  std::vector<std::string> causes;  ///< names of causes and guesses
+  std::string common_law;    ///< "f(v)": all of them are parts of one law; empty: they are not
+  bool is_held_out = false;  ///< the proof is one on unseen records
+  double left = 0;           ///< energy beyond the noise that the named terms leave [nat]
   ProofSummary proof;
 };
 
 /// The answer of a diagnosis.
 struct Conclusion {
   Outcome outcome = Outcome::None;
-  double confidence = 0;  ///< in the outcome [-]
-  std::vector<Cause> causes;
-  bool has_remainder = false;  ///< a systematic residual remains besides the named causes
+  double confidence = 0;       ///< in the outcome [-]
+  std::vector<Cause> causes;   ///< and guesses; all are terms of the improved simulation
+  bool has_remainder = false;  ///< besides the causes, something else is missing, or a guess is
   /// Outputs with a systematic residual that no term explains, without axis: "displacement".
   std::vector<std::string> unexplained;
   std::vector<std::string> withdrawn;  ///< titles of terms that were selected and are not named
