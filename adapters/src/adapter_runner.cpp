@@ -264,7 +264,10 @@ Status AdapterRunner::write_outputs() noexcept {
 void AdapterRunner::write_own_monitors(Status status, const Timing& timing) noexcept {
   steps_ += timing.is_early ? 0 : 1;
   stale_ += status == Status::Stale ? 1 : 0;
-  overruns_ += timing.duration > schedule_.period ? 1 : 0;
+  // The period of a node that skips steps is that of its looks at flags: a long step may delay one.
+  const Duration over = timing.duration - schedule_.period;
+  const bool skips = schedule_.missed == MissedSteps::Skip;
+  overruns_ += (skips ? schedule_.skipped_at(over) > 0 : over > Duration{0}) ? 1 : 0;
   skipped_ += timing.skipped;
   outputs_[kSkipped] = static_cast<double>(skipped_);
   outputs_[kStep] = static_cast<double>(steps_);

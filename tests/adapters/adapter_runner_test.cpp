@@ -400,6 +400,14 @@ TEST_F(SkippingRunnerTest, GoesOnWithTheStepThatIsDue) {
   EXPECT_EQ(value("monitor.echo.host.skipped"), 5);
 }
 
+TEST_F(SkippingRunnerTest, CountsAsOverrunsTheStepsThatLeaveOutAnother) {
+  static_cast<void>(runner.tick(Duration{0}, false, {Duration{0}, Duration{1'900'000}}));
+  EXPECT_EQ(runner.overruns(), 0U);
+
+  static_cast<void>(runner.tick(Duration{0}, false, {Duration{0}, Duration{2'000'000}}));
+  EXPECT_EQ(runner.overruns(), 1U);
+}
+
 class DueRunnerTest : public AdapterRunnerTest {
  protected:
   DueRunnerTest() : AdapterRunnerTest{MissedSteps::MakeDue} {}

@@ -80,6 +80,17 @@ DiagramContext laboratory() {
   return context;
 }
 
+TEST(Diagram, LoadsTheSpecimenAsThePlantDoesUnlessAValueIsGiven) {
+  DiagramContext context;
+  context.specimen = std::make_shared<const sim::Bearing>(sim::Bearing{"", {}, 0.95e6});
+
+  const auto of_plant = diagram(block("load", "static_load", ""), context);
+  const auto given = diagram(block("load", "static_load", "value = 2e6"), context);
+
+  EXPECT_EQ(port_named(*of_plant, "load.value").initial, 0.95e6);
+  EXPECT_EQ(port_named(*given, "load.value").initial, 2e6);
+}
+
 const std::string kForce = input("f", "lab.{axis}.force", "N");
 
 std::string error_in_laboratory(const std::string& blocks) {

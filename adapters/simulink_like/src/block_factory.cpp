@@ -73,6 +73,15 @@ Block make_constant(const Config& table, const BlockContext&) {
   return block;
 }
 
+Block make_static_load(const Config& table, const BlockContext& context) {
+  const auto& specimen = context.run.specimen;
+  Block block;
+  add_parameter(block, table, "value", "N", specimen ? specimen->axial_load : 0);
+  block.outputs = {{"out", kSingle, "N"}};
+  block.kind = Constant{};
+  return block;
+}
+
 Block make_clock(const Config&, const BlockContext&) {
   Block block;
   block.outputs = {{"out", kSingle, "s"}};
@@ -196,6 +205,7 @@ struct BlockType {
 constexpr BlockType kBlockTypes[] = {{"ring_input", make_ring_input},
                                      {"ring_output", make_ring_output},
                                      {"constant", make_constant},
+                                     {"static_load", make_static_load},
                                      {"clock", make_clock},
                                      {"sine", make_sine},
                                      {"gain", make_gain},

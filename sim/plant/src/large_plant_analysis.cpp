@@ -69,7 +69,7 @@ LargePlantAnalysis::LargePlantAnalysis(const BearingSet& bearings, const VectorX
       bearings_{bearings, weights, step_, settings.damps_bearings ? 0 : damping_time_},
       floors_{floors.size()},
       bearing_motion_{MatrixXd::Zero(row_of(bearings.kind_of.size()), 2)},
-      correction_{VectorXd::Zero(up_to_multiple(bearing_motion_.rows(), Shapes::kLine))},
+      correction_{VectorXd::Zero(up_to_multiple(bearing_motion_.rows(), Shapes::kPanel))},
       last_correction_{correction_},
       mixed_correction_{correction_},
       floor_acceleration_{VectorXd::Zero(row_of(floors_))},

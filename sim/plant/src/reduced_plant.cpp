@@ -10,25 +10,10 @@
 namespace rths::plant {
 namespace {
 
-// With coordinates that never move, up to a multiple.
-Basis padded(Basis basis) {
-  const Index size = up_to_multiple(basis.coordinates(), Shapes::kColumns);
-  const auto add = [](MatrixXd& matrix, Index rows, Index columns) {
-    matrix.conservativeResizeLike(MatrixXd::Zero(rows, columns));
-  };
-  basis.stiffness.conservativeResizeLike(VectorXd::Zero(size));
-  add(basis.bearings, basis.bearings.rows(), size);
-  add(basis.floors, basis.floors.rows(), size);
-  add(basis.participation, size, basis.participation.cols());
-  return basis;
-}
-
 class ReducedPlant final : public LargePlantAnalysis {
  public:
-  // @param basis  padded   @param count  of its coordinates that move
-  ReducedPlant(const Basis& basis, Index count, const BearingSet& bearings,
-               const sim::GroundMotion& motion, const std::vector<Floor>& floors,
-               const PlantSettings& settings)
+  ReducedPlant(const Basis& basis, const BearingSet& bearings, const sim::GroundMotion& motion,
+               const std::vector<Floor>& floors, const PlantSettings& settings)
       : LargePlantAnalysis{bearings, basis.weights, motion, floors, settings},
         stiffness_{basis.stiffness},
         compliance_{(1 + implicit_share() * basis.stiffness.array()).inverse()},
@@ -39,7 +24,7 @@ class ReducedPlant final : public LargePlantAnalysis {
         participation_{basis.participation},
         load_{VectorXd::Zero(basis.coordinates())} {
     if (settings.monitors_coordinates) {
-      at_target_.setZero(count);
+      at_target_.setZero(basis.coordinates());
       to_metres_ = basis.to_metres();
     }
     begin_at_rest(basis.coordinates());
@@ -48,7 +33,7 @@ class ReducedPlant final : public LargePlantAnalysis {
   // The motion that the machine is asked to follow: with substeps, the state runs ahead of it.
   void predict(std::span<double> target, std::span<double> rate) RTHS_REALTIME override {
     LargePlantAnalysis::predict(target, rate);
-    if (at_target_.size() > 0) at_target_ = target_displacement().head(at_target_.size());
+    if (at_target_.size() > 0) at_target_ = target_displacement();
   }
   [[nodiscard]] std::vector<sim::MonitoredQuantity> monitors() const override {
     auto monitors = LargePlantAnalysis::monitors();
@@ -122,8 +107,7 @@ std::unique_ptr<LargePlantAnalysis> make_reduced(const Basis& basis, const Beari
   };
   require(basis.bearings.rows(), bearings.kind_of.size(), "bearings");
   require(basis.floors.rows(), floors.size(), "floors");
-  return std::make_unique<ReducedPlant>(padded(basis), basis.coordinates(), bearings, motion,
-                                        floors, settings);
+  return std::make_unique<ReducedPlant>(basis, bearings, motion, floors, settings);
 }
 
 }  // namespace rths::plant

@@ -2,83 +2,143 @@
 #include "shapes.hpp"
 
 #include <algorithm>
-#include <cstdint>
+#include <utility>
 
-// One copy of a function for each generation of processors, chosen when the program starts. Address
-// sanitizer does not know the choice.
+// Where one function may have a copy for each generation of processors, chosen when the program
+// starts. Address sanitizer does not know the choice.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define RTHS_FOR_ALL_PROCESSORS \
-  [[gnu::target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default"), gnu::optimize("O3")]]
+#define RTHS_FOR_DEFAULT_PROCESSOR [[gnu::target("default"), gnu::optimize("O3")]]
+#define RTHS_FOR_PROCESSOR(generation) [[gnu::target("arch=" generation), gnu::optimize("O3")]]
 #else
-#define RTHS_FOR_ALL_PROCESSORS
+#define RTHS_FOR_DEFAULT_PROCESSOR
 #endif
 
 namespace rths::plant {
 namespace {
 
-constexpr Index kLine = Shapes::kLine;
-constexpr Index kBlock = 512;  // rows whose results stay in the first cache
+constexpr Index kPanel = Shapes::kPanel, kParts = Shapes::kParts;
+constexpr Index kVectors = 4;  // rows that are summed at once, in vectors: they stay in registers
 
-// y += A x and w += A v for four columns of A.
-RTHS_FOR_ALL_PROCESSORS
-void add_columns(const float* a, Index stride, Index rows, const double* x, const double* v,
-                 double* __restrict y, double* __restrict w) {
-  const float *a0 = a, *a1 = a + stride, *a2 = a1 + stride, *a3 = a2 + stride;
-  const double x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-  const double v0 = v[0], v1 = v[1], v2 = v[2], v3 = v[3];
-  for (Index i = 0; i < rows; ++i) {
-    const double b0 = a0[i], b1 = a1[i], b2 = a2[i], b3 = a3[i];
-    y[i] += b0 * x0 + b1 * x1 + b2 * x2 + b3 * x3;
-    w[i] += b0 * v0 + b1 * v1 + b2 * v2 + b3 * v3;
+template <std::size_t kLanes>
+using Doubles [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+// Written out, because one instruction loads and widens a vector only so.
+template <class Vector, std::size_t... kLane>
+[[gnu::always_inline]] inline void widen(const float* a, Vector& rows,
+                                         std::index_sequence<kLane...>) {
+  rows = Vector{a[kLane]...};
+}
+
+// A x and A v of one panel A.
+template <std::size_t kLanes>
+[[gnu::always_inline]] inline void multiply_in(const float* panel, Index columns, const double* x,
+                                               const double* v, double (*products)[kPanel]) {
+  using Vector = Doubles<kLanes>;
+  for (Index first = 0; first < kPanel; first += kVectors * kLanes) {
+    Vector x_sums[kVectors] = {}, v_sums[kVectors] = {};
+    const float* a = panel + first;
+    for (Index column = 0; column < columns; ++column, a += kPanel)
+      for (Index k = 0; k < kVectors; ++k) {
+        Vector rows;
+        widen(a + k * kLanes, rows, std::make_index_sequence<kLanes>{});
+        x_sums[k] += rows * x[column];
+        v_sums[k] += rows * v[column];
+      }
+    for (Index k = 0; k < kVectors; ++k) {
+      reinterpret_cast<Vector*>(products[0] + first)[k] = x_sums[k];
+      reinterpret_cast<Vector*>(products[1] + first)[k] = v_sums[k];
+    }
   }
 }
 
-// Aᵀ x for four columns of A. The sums of 16 rows that belong together are added in a fixed order.
-RTHS_FOR_ALL_PROCESSORS
-void add_products(const float* a, Index stride, Index rows, const double* x, double* result) {
-  double sums[4][kLine] = {};
-  for (Index i = 0; i < rows; i += kLine)
-    for (Index column = 0; column < 4; ++column)
-      for (Index k = 0; k < kLine; ++k)
-        sums[column][k] += static_cast<double>(a[column * stride + i + k]) * x[i + k];
-  for (Index column = 0; column < 4; ++column) {
-    double sum = 0;
-    for (const double part : sums[column]) sum += part;
-    result[column] = sum;
-  }
+// sums += Aᵀ x of one panel A: by column, of the rows that are equal modulo kParts.
+template <std::size_t kLanes>
+[[gnu::always_inline]] inline void add_products_in(const float* a, Index columns, const double* x,
+                                                   double* sums) {
+  using Vector = Doubles<kLanes>;
+  for (Index column = 0; column < columns; ++column, a += kPanel, sums += kParts)
+    for (Index part = 0; part < kParts; part += kLanes) {
+      Vector sum = *reinterpret_cast<const Vector*>(sums + part);
+      for (Index row = part; row < kPanel; row += kParts) {
+        Vector rows;
+        widen(a + row, rows, std::make_index_sequence<kLanes>{});
+        sum += rows * *reinterpret_cast<const Vector*>(x + row);
+      }
+      *reinterpret_cast<Vector*>(sums + part) = sum;
+    }
 }
+
+RTHS_FOR_DEFAULT_PROCESSOR
+void multiply_panel(const float* panel, Index columns, const double* x, const double* v,
+                    double (*products)[kPanel]) {
+  multiply_in<2>(panel, columns, x, v, products);
+}
+RTHS_FOR_DEFAULT_PROCESSOR
+void add_products(const float* panel, Index columns, const double* x, double* sums) {
+  add_products_in<2>(panel, columns, x, sums);
+}
+
+#ifdef RTHS_FOR_PROCESSOR
+RTHS_FOR_PROCESSOR("x86-64-v3")
+void multiply_panel(const float* panel, Index columns, const double* x, const double* v,
+                    double (*products)[kPanel]) {
+  multiply_in<4>(panel, columns, x, v, products);
+}
+RTHS_FOR_PROCESSOR("x86-64-v3")
+void add_products(const float* panel, Index columns, const double* x, double* sums) {
+  add_products_in<4>(panel, columns, x, sums);
+}
+RTHS_FOR_PROCESSOR("x86-64-v4")
+void multiply_panel(const float* panel, Index columns, const double* x, const double* v,
+                    double (*products)[kPanel]) {
+  multiply_in<8>(panel, columns, x, v, products);
+}
+RTHS_FOR_PROCESSOR("x86-64-v4")
+void add_products(const float* panel, Index columns, const double* x, double* sums) {
+  add_products_in<8>(panel, columns, x, sums);
+}
+#endif
 
 }  // namespace
 
 Shapes::Shapes(const MatrixXd& shapes)
-    : rows_{shapes.rows()}, columns_{shapes.cols()}, stride_{up_to_multiple(rows_, kLine)} {
-  values_.assign(static_cast<std::size_t>(stride_ * columns_ + kLine), 0.0F);
-  constexpr std::uintptr_t kBytes = kLine * sizeof(float);
-  const auto address = reinterpret_cast<std::uintptr_t>(values_.data());
-  offset_ = static_cast<std::size_t>((kBytes - address % kBytes) % kBytes) / sizeof(float);
+    : rows_{shapes.rows()},
+      columns_{shapes.cols()},
+      panels_(static_cast<std::size_t>(up_to_multiple(rows_, kPanel) / kPanel * columns_)),
+      sums_(static_cast<std::size_t>(columns_)) {
   for (Index column = 0; column < columns_; ++column)
     for (Index row = 0; row < rows_; ++row)
-      values_[offset_ + static_cast<std::size_t>(column * stride_ + row)] =
+      panels_[static_cast<std::size_t>(row / kPanel * columns_ + column)].rows[row % kPanel] =
           static_cast<float>(shapes(row, column));
 }
 
 void Shapes::multiply(const VectorXd& first, const VectorXd& second,
                       MatrixXd& result) const noexcept {
-  const float* const shapes = values_.data() + offset_;
-  result.setZero();
-  for (Index row = 0; row < rows_; row += kBlock) {
-    const Index rows = std::min(kBlock, rows_ - row);
-    for (Index column = 0; column < columns_; column += kColumns)
-      add_columns(shapes + column * stride_ + row, stride_, rows, first.data() + column,
-                  second.data() + column, result.col(0).data() + row, result.col(1).data() + row);
+  alignas(64) double products[2][kPanel];
+  const Column* panel = panels_.data();
+  for (Index row = 0; row < rows_; row += kPanel, panel += columns_) {
+    multiply_panel(panel->rows, columns_, first.data(), second.data(), products);
+    for (Index k = 0; k < 2; ++k)
+      std::copy_n(products[k], std::min(kPanel, rows_ - row), result.col(k).data() + row);
   }
 }
 
-void Shapes::multiply_transposed(const VectorXd& x, VectorXd& result) const noexcept {
-  const float* const shapes = values_.data() + offset_;
-  for (Index column = 0; column < columns_; column += kColumns)
-    add_products(shapes + column * stride_, stride_, stride_, x.data(), result.data() + column);
+void Shapes::multiply_transposed(const VectorXd& x, VectorXd& result) noexcept {
+  alignas(64) double rows[kPanel];
+  std::fill(sums_.begin(), sums_.end(), Sums{});
+  // Backwards: the panels that were read last are still in the cache.
+  const Column* panel = panels_.data() + panels_.size();
+  for (Index row = up_to_multiple(rows_, kPanel) - kPanel; row >= 0; row -= kPanel) {
+    panel -= columns_;
+    std::copy_n(x.data() + row, kPanel, rows);
+    add_products(panel->rows, columns_, rows, sums_.data()->parts);
+  }
+  for (Index column = 0; column < columns_; ++column) {
+    const auto& parts = sums_[static_cast<std::size_t>(column)].parts;
+    result[column] = ((parts[0] + parts[1]) + (parts[2] + parts[3])) +
+                     ((parts[4] + parts[5]) + (parts[6] + parts[7]));
+  }
 }
 
 }  // namespace rths::plant

@@ -18,24 +18,28 @@ namespace rths::plant {
 /// size. As both products use the same shapes, the reduced plant stays symmetric.
 class Shapes {
  public:
-  static constexpr Index kLine = 16;    ///< rows of a vector are multiples of it, the rest 0
-  static constexpr Index kColumns = 4;  ///< columns of the shapes are multiples of it
+  static constexpr Index kPanel = 32;  ///< rows that are stored together, padded with 0
+  static constexpr Index kParts = 8;   ///< sums of a column, which are added at the end
 
   explicit Shapes(const MatrixXd& shapes);
 
-  [[nodiscard]] Index rows() const { return rows_; }
-  [[nodiscard]] Index columns() const { return columns_; }
-  /// Ψ x of two vectors in one pass. @param result  at least rows × 2, overwritten   @realtime
+  /// Ψ x of two vectors in one pass. @param result  rows × 2, overwritten   @realtime
   void multiply(const VectorXd& first, const VectorXd& second,
                 MatrixXd& result) const RTHS_REALTIME;
-  /// Ψᵀ x. @param x  rows, up to a multiple of kLine   @param result  overwritten, by column
+  /// Ψᵀ x. @param x  rows, up to a multiple of kPanel   @param result  overwritten, by column
   /// @realtime
-  void multiply_transposed(const VectorXd& x, VectorXd& result) const RTHS_REALTIME;
+  void multiply_transposed(const VectorXd& x, VectorXd& result) RTHS_REALTIME;
 
  private:
-  Index rows_, columns_, stride_;
-  std::vector<float> values_;  // column by column; each begins on a cache line,
-  std::size_t offset_ = 0;     // from here on
+  struct alignas(64) Column {  // of a panel
+    float rows[kPanel];
+  };
+  struct alignas(64) Sums {  // of a column, to be added
+    double parts[kParts];
+  };
+  Index rows_, columns_;
+  std::vector<Column> panels_;  // in the order in which both products read them
+  std::vector<Sums> sums_;
 };
 
 }  // namespace rths::plant

@@ -63,9 +63,11 @@ void runge_kutta(const TermView<Real>& term, Vector<Real>& z, const Vector<Real>
   z = z + (k1 + k4 + (k2 + k3) * 2.0) * (1.0 / 6);
 }
 
-// One substep, split where unloading turns into loading: there the rate has a kink.
+// One substep, split where unloading turns into loading: there the rate has a kink. The vectors
+// stay in registers only if all calls are inlined.
 template <class Rule, class Real, template <class> class Vector>
-void integrate_substep(const TermView<Real>& term, Vector<Real>& z, Vector<Real> du) {
+[[gnu::flatten]] void integrate_substep(const TermView<Real>& term, Vector<Real>& z,
+                                        Vector<Real> du) {
   Vector<Real> k1 = Rule::rate(term, z, du);
   const double work = value_of(dot(z, du)), change = value_of(dot(k1, du));
   if (work < 0 && work + change > 0) {
