@@ -34,6 +34,9 @@ int play(const PlayArguments& a) {
     fmt::print("gaps between rows: {:.2f} % off at the median, {:.2f} % at the 99th percentile\n",
                100 * maths::quantile(played.gap_errors, 0.5),
                100 * maths::quantile(played.gap_errors, 0.99));
+  if (played.ticks > 0)
+    fmt::print("{} of {} ticks came before all their words were written\n", played.late_ticks,
+               played.ticks);
   if (played.is_complete) return kOk;
   write_message("rths: interrupted before the end of the recording\n");
   return kConditionNotMet;
@@ -74,18 +77,25 @@ void add_play(CommandLine& line) {
       ->add_option("--ring", a.settings.ring,
                    "Name of a ring in use, or of one to make with the map of the recording")
       ->capture_default_str();
-  command->add_option("--rate", a.settings.rate, "Wall time over recorded time: 2 is slower")
-      ->check(CLI::Range(1e-3, 1e3))
-      ->capture_default_str();
+  auto* rate =
+      command->add_option("--rate", a.settings.rate, "Wall time over recorded time: 2 is slower")
+          ->check(CLI::Range(1e-3, 1e3))
+          ->capture_default_str();
+  command
+      ->add_option("--counter", a.settings.counter,
+                   "Write the words of a tick before this counter of another node reaches it, "
+                   "instead of at their times: monitor.xpc.host.step")
+      ->excludes(rate);
   repeatable(command->add_option("--fault", a.settings.faults,
                                  "Fault of the writes: \"kind=flip signal=srmd.long.force.fbk "
                                  "bit=31 at_s=2 for_s=0.1\"; kind drop or delay, too"));
-  auto* awaited = command
-                      ->add_option("--await", a.settings.awaited,
-                                   "Begin when these nodes are on the ring, such as xpc")
-                      ->delimiter(',');
-  command->add_option("--await-s", a.settings.longest_wait, "Longest wait for these nodes")
-      ->needs(awaited)
+  command
+      ->add_option("--await", a.settings.awaited,
+                   "Begin when these nodes are on the ring, such as xpc")
+      ->delimiter(',');
+  command
+      ->add_option("--await-s", a.settings.longest_wait,
+                   "Longest wait for these nodes, and for each tick of the counter")
       ->check(CLI::Range(0.0, 1e6))
       ->capture_default_str();
 }

@@ -101,7 +101,8 @@ void settle_missed_steps(Experiment& experiment) {
   const Schedule* first = nullptr;
   bool all_wait = !experiment.cards.has_value();
   const auto is_part = [](const NodePlan& plan) {
-    return plan.settings.role == Role::Machine || plan.settings.role == Role::Controller;
+    return plan.settings.role == Role::Machine || plan.settings.role == Role::Controller ||
+           plan.schedule.missed == MissedSteps::Wait;
   };
   for (const auto& plan : experiment.nodes) {
     if (!is_part(plan)) continue;

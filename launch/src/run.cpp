@@ -50,10 +50,11 @@ std::vector<const NodePlan*> awaited_by(const Experiment& experiment, const Node
     if (other.host != plan.host || other.settings.program ||
         other.schedule.period != plan.schedule.period)
       return false;
-    if (role == Role::Controller && other.settings.role == Role::Machine)
-      return missed == MissedSteps::Wait || missed == MissedSteps::MakeDue;
-    return role == Role::Machine && other.settings.role == Role::Controller &&
-           missed == MissedSteps::Wait;
+    if (role == Role::Controller)  // also a solver, if it is replayed
+      return (missed == MissedSteps::Wait && other.settings.role != Role::Controller) ||
+             (missed == MissedSteps::MakeDue && other.settings.role == Role::Machine);
+    return role != Role::Controller && other.settings.role == Role::Controller &&
+           plan.schedule.missed == MissedSteps::Wait && missed == MissedSteps::Wait;
   };
   if (experiment.cards || plan.settings.program) return others;
   for (const auto& other : experiment.nodes)

@@ -26,11 +26,12 @@ const live = (() => {
   // Time in ms since the server's look began; `to` is null while the page follows.
   const view = { span: 20000, to: null };
   let watched = [], pixels = FEWEST_INTERVALS;
-  const buffer = { x: new Float64Array(CAPACITY), begin: 0, end: 0, next: null, width: 1, words: new Map() };
+  // Intervals: twice the time, and beside it the lowest and the highest value of each word. A line through them has both.
+  const buffer = { x: new Float64Array(2 * CAPACITY), begin: 0, end: 0, next: null, words: new Map() };
   const clear = () => {
     buffer.begin = buffer.end = 0;
     buffer.next = null;
-    buffer.words = new Map(watched.map(w => [w, { low: new Float32Array(CAPACITY), high: new Float32Array(CAPACITY) }]));
+    buffer.words = new Map(watched.map(w => [w, new Float32Array(2 * CAPACITY)]));
   };
   const widthBits = () => Math.min(14, Math.max(0, Math.ceil(Math.log2(view.span / pixels))));
   const ask = () => {
@@ -48,36 +49,25 @@ const live = (() => {
     const count = Math.min(intervals, CAPACITY);
     if (buffer.end + count > CAPACITY) {
       const keep = Math.min(buffer.end - buffer.begin, CAPACITY - count), at = buffer.end - keep;
-      buffer.x.copyWithin(0, at, buffer.end);
-      for (const w of buffer.words.values()) { w.low.copyWithin(0, at, buffer.end); w.high.copyWithin(0, at, buffer.end); }
+      for (const values of [buffer.x, ...buffer.words.values()]) values.copyWithin(0, 2 * at, 2 * buffer.end);
       buffer.begin = 0;
       buffer.end = keep;
     }
     const skip = intervals - count;
     const names = new Uint32Array(body, HEADER_BYTES, words);
     const extents = new Float32Array(body, HEADER_BYTES + 4 * words);
-    for (let i = 0; i < count; i++) buffer.x[buffer.end + i] = (from + (skip + i) * width) / 1000;
-    names.forEach((w, n) => {
-      const to = buffer.words.get(w);
-      if (!to) return;
-      for (let i = 0; i < count; i++) {
-        to.low[buffer.end + i] = extents[2 * (n * intervals + skip + i)];
-        to.high[buffer.end + i] = extents[2 * (n * intervals + skip + i) + 1];
-      }
-    });
+    for (let i = 0; i < 2 * count; i++) buffer.x[2 * buffer.end + i] = (from + (skip + (i >> 1)) * width) / 1000;
+    names.forEach((w, n) => buffer.words.get(w)?.set(extents.subarray(2 * (n * intervals + skip), 2 * (n + 1) * intervals), 2 * buffer.end));
     buffer.end += count;
     buffer.next = from + intervals * width;
-    buffer.width = width;
     const first = (buffer.next - view.span) / 1000 - width / 1000;
-    if (view.to === null) while (buffer.begin < buffer.end && buffer.x[buffer.begin] < first) buffer.begin++;
+    if (view.to === null) while (buffer.begin < buffer.end && buffer.x[2 * buffer.begin] < first) buffer.begin++;
   };
 
-  // Words {x, low, high} of the time that is shown.
-  const data = word => {
-    const w = buffer.words.get(word);
-    return w && { low: w.low.subarray(buffer.begin, buffer.end), high: w.high.subarray(buffer.begin, buffer.end) };
-  };
-  const times = () => buffer.x.subarray(buffer.begin, buffer.end);
+  // Of the time that is shown: the lowest and the highest value of each interval, and its time twice.
+  const shownOf = values => values?.subarray(2 * buffer.begin, 2 * buffer.end);
+  const data = word => shownOf(buffer.words.get(word));
+  const times = () => shownOf(buffer.x);
   const shown = () => {
     const to = view.to ?? (buffer.next ?? state.now);
     return [(to - view.span) / 1000, to / 1000];
@@ -151,7 +141,7 @@ const live = (() => {
     }
     if (header.id !== latest || (header.kind !== LIVE && header.kind !== RANGE)) return;
     append(header, body);
-    draw();
+    if (header.intervals > 0 || header.kind === RANGE) draw();
   };
   const connect = () => {
     socket = new WebSocket(`ws://${location.host}/ws${token ? `?token=${encodeURIComponent(token)}` : ""}`);
@@ -191,7 +181,7 @@ const moving = (() => {
   const MARGIN = 0.06, COLORS = ["c0", "c1", "c2", "c3", "c4", "c5"];
   const colorOf = i => COLORS[i % COLORS.length];
   const shownFigures = new Set();
-  live.on("draw", () => { for (const figure of shownFigures) figure.draw(); });
+  live.on("draw", () => { for (const figure of shownFigures) figure.follow(); });
 
   const extentOf = arrays => {
     let low = Infinity, high = -Infinity;
@@ -210,17 +200,35 @@ const moving = (() => {
     const now = quantities.axis(label, size);
     return before && size * before.factor >= 0.5 && size * before.factor < 5000 ? before : now;
   };
-  const fit = (box, plot, height) => {
-    let drawn = 0;
+  // A figure follows the time while it can be seen, at most once for each pixel that the time moves.
+  const place = (box, plot, height, draw, words) => {
+    let width = 0, isSeen = false, drawn = {};
     const resize = () => {
-      const width = Math.floor(box.clientWidth);
-      if (width > 0 && width !== drawn) plot.setSize({ width: drawn = width, height: height(width) });
+      const now = Math.floor(box.clientWidth);
+      if (now <= 0 || now === width) return;
+      plot.setSize({ width: width = now, height: height(width) });
+      drawn = {};
+      live.draw();
     };
+    const follow = () => {
+      if (!isSeen) return;
+      const [from, to] = live.shown(), span = to - from, moved = (to - drawn.to) / span * width;
+      if (live.view.to === null && span === drawn.span && moved >= 0 && moved < 1) return;
+      drawn = { to, span };
+      draw();
+    };
+    box.setAttribute("aria-label", box.querySelector("figcaption").firstChild.textContent);
     resize();
     new ResizeObserver(() => requestAnimationFrame(resize)).observe(box);
-    const redraw = () => plot.redraw(false);
-    theme.onChange(redraw);
-    return redraw;
+    new IntersectionObserver(entries => {
+      isSeen = entries[entries.length - 1].isIntersecting;
+      drawn = {};
+      follow();
+    }).observe(box);
+    theme.onChange(draw);
+    const figure = { box, plot, follow, draw, words };
+    shownFigures.add(figure);
+    return figure;
   };
   const legend = (box, curves, toggle) => curves.map((curve, i) => {
     const shown = el("b");
@@ -243,11 +251,9 @@ const moving = (() => {
     const label = `${options.quantity || "value"} [${unit === "1" ? "-" : unit}]`;
     let scale = null, range = [0, 1];
     const styled = curves.map((c, i) => ({ color: colorOf(i), ...c }));
-    const stroke = c => ({ stroke: () => theme.color(c.color), width: 1.4, dash: c.dash, points: { show: false }, spanGaps: false });
-    const arrays = () => [live.times(), ...styled.flatMap(c => {
-      const d = c.of ? c.of() : live.data(c.word);
-      return d ? [d.low, d.high] : [new Float32Array(live.times().length), new Float32Array(live.times().length)];
-    })];
+    // Without a graphics processor, a line of one pixel takes a tenth of the time of a wider one.
+    const stroke = c => ({ stroke: () => theme.color(c.color), width: 1, dash: c.dash, points: { show: false }, spanGaps: false });
+    const arrays = () => [live.times(), ...styled.map(c => (c.of ? c.of() : live.data(c.word)) || new Float32Array(live.times().length))];
     const select = u => {
       const { left, width } = u.select;
       if (width > 4) {
@@ -259,8 +265,8 @@ const moving = (() => {
     const tellValues = u => {
       const i = u.cursor.idx;
       styled.forEach((c, n) => {
-        const at = i ?? u.data[0].length - 1, v = u.data[2 * n + 2]?.[at], low = u.data[2 * n + 1]?.[at];
-        const text = v === undefined || Number.isNaN(v) ? "–" : quantities.number((v + low) / 2 * (scale?.factor ?? 1), 4);
+        const at = (i ?? u.data[0].length - 1) & ~1, low = u.data[n + 1]?.[at], high = u.data[n + 1]?.[at + 1];
+        const text = high === undefined || Number.isNaN(high) ? "–" : quantities.number((low + high) / 2 * (scale?.factor ?? 1), 4);
         if (values[n].textContent !== text) values[n].textContent = text;
       });
     };
@@ -270,21 +276,16 @@ const moving = (() => {
         bind: { dblclick: () => () => { live.show(20000, null); return null; } } },
       scales: { x: { time: false, range: () => live.shown() }, y: { range: () => range } },
       axes: [figures.axisStyle("time [s]"), figures.axisStyle(label, { size: 54, values: tickValues(() => scale ?? { factor: 1 }) })],
-      series: [{}, ...styled.flatMap(c => [stroke(c), stroke(c)])],
-      bands: styled.map((c, n) => ({ series: [2 * n + 2, 2 * n + 1], fill: () => theme.color(c.color) })),
+      series: [{}, ...styled.map(stroke)],
       hooks: { setSelect: [select], setCursor: [u => tellValues(u)] },
     }, arrays(), box);
-    const values = legend(box, styled, (n, show) => {
-      plot.setSeries(2 * n + 1, { show });
-      plot.setSeries(2 * n + 2, { show });
-    });
+    const values = legend(box, styled, (n, show) => plot.setSeries(n + 1, { show }));
     plot.root.tabIndex = 0;
     plot.root.setAttribute("role", "img");
     plot.root.addEventListener("keydown", event => { if (event.key === "Escape") live.show(20000, null); });
     const unitText = el("span", { className: "unit" });
     box.querySelector("figcaption").append(unitText);
     const draw = () => {
-      if (box.offsetParent === null) return;
       const now = arrays();
       const extent = extentOf(now.slice(1).filter((_, i) => plot.series[i + 1].show));
       range = padded(extent, range);
@@ -295,16 +296,13 @@ const moving = (() => {
       tellValues(plot);
       box.setAttribute("aria-label", `${caption}: ${styled.map((c, n) => `${c.label} ${values[n].textContent} ${scale.unit}`).join(", ")}.`);
     };
-    const redraw = fit(box, plot, () => options.height || 220);
-    const figure = { box, plot, draw, redraw, words: styled.flatMap(c => c.words || [c.word]), values };
-    shownFigures.add(figure);
-    return figure;
+    return place(box, plot, () => options.height || 220, draw, styled.flatMap(c => c.words || [c.word]));
   };
 
   // Two words against each other: the means of their intervals.
   const loop = (container, caption, x, y, equal = false) => {
     const box = plots.figure(container, caption, []);
-    const means = word => { const d = live.data(word); return d ? d.low.map((v, i) => (v + d.high[i]) / 2) : new Float32Array(0); };
+    const means = word => { const d = live.data(word); return Float32Array.from({ length: d ? d.length / 2 : 0 }, (_, i) => (d[2 * i] + d[2 * i + 1]) / 2); };
     let xs = [], ys = [], view = { x: [-1, 1], y: [-1, 1] };
     const scales = { x: null, y: null };
     const facets = [{ scale: "x", auto: false }, { scale: "y", auto: false }];
@@ -318,15 +316,18 @@ const moving = (() => {
     }, [null, [[0], [0]]], box);
     plot.root.setAttribute("role", "img");
     const draw = () => {
-      if (box.offsetParent === null) return;
       xs = means(x.word);
       ys = means(y.word);
       const extents = [extentOf([xs]), extentOf([ys])];
       if (!extents[0] || !extents[1]) return;
       view = { x: padded(extents[0]), y: padded(extents[1]) };
       if (equal) {
-        const half = Math.max(view.x[1] - view.x[0], view.y[1] - view.y[0]) / 2;
-        for (const key of ["x", "y"]) { const m = (view[key][0] + view[key][1]) / 2; view[key] = [m - half, m + half]; }
+        const sides = { x: plot.bbox.width, y: plot.bbox.height };
+        const perPixel = Math.max(...["x", "y"].map(key => (view[key][1] - view[key][0]) / sides[key]));
+        for (const key of ["x", "y"]) {
+          const middle = (view[key][0] + view[key][1]) / 2, half = perPixel * sides[key] / 2;
+          view[key] = [middle - half, middle + half];
+        }
       }
       for (const [key, given, i] of [["x", x, 0], ["y", y, 1]]) {
         scales[key] = scaleFor(given.label, scales[key], Math.max(...view[key].map(Math.abs)));
@@ -337,15 +338,12 @@ const moving = (() => {
       const size = (key, label) => `${quantities.brief(view[key][0] * scales[key].factor)} to ${quantities.brief(view[key][1] * scales[key].factor)} ${scales[key].unit}${label}`;
       box.setAttribute("aria-label", `${caption}: ${size("x", "")}, ${size("y", "")}.`);
     };
-    const redraw = fit(box, plot, width => Math.round(Math.min(width * 0.8, 340)));
-    const figure = { box, plot, draw, redraw, words: [x.word, y.word] };
-    shownFigures.add(figure);
-    return figure;
+    return place(box, plot, width => Math.round(Math.min(width * 0.8, 340)), draw, [x.word, y.word]);
   };
 
   const remove = figure => {
     shownFigures.delete(figure);
-    theme.forget(figure.redraw);
+    theme.forget(figure.draw);
     figure.plot.destroy();
     figure.box.remove();
   };

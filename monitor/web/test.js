@@ -83,9 +83,8 @@ const testPage = (() => {
   const difference = (a, b) => () => {
     const p = live.data(a), q = live.data(b);
     if (!p || !q) return null;
-    const mean = (d, i) => (d.low[i] + d.high[i]) / 2;
-    const error = p.low.map((_, i) => mean(p, i) - mean(q, i));
-    return { low: error, high: error };
+    const mean = (d, i) => (d[i & ~1] + d[i | 1]) / 2;
+    return p.map((_, i) => mean(p, i) - mean(q, i));
   };
 
   const titleOf = axis => AXIS_NAME[axis.name] || axis.name;

@@ -16,6 +16,7 @@
 #include <rths/core/config.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/text.hpp>
+#include <rths/memmap/codec.hpp>
 #include <rths/recording/recorded_words.hpp>
 
 namespace rths::testkit {
@@ -26,6 +27,7 @@ using recording::RecordedWord;
 constexpr Duration kLongestSpin = std::chrono::microseconds{400};  // before a row: exact
 constexpr Duration kLongestSleep = std::chrono::milliseconds{50};  // between looks for an interrupt
 constexpr Duration kAwaitedLook = std::chrono::milliseconds{5};
+constexpr Duration kTickLook = std::chrono::microseconds{50};
 
 // "key=value key=value" as a table. A value that is a number is one.
 Config table_of(const std::string& fault) {
@@ -219,23 +221,11 @@ bool wait_until(TimePoint due, WallClock& clock, const std::function<bool()>& is
   return !is_interrupted();
 }
 
-}  // namespace
-
-Played play(const PlaySettings& settings, const std::function<bool()>& is_interrupted) {
-  if (recording::is_being_written(settings.recording))
-    throw Error{settings.recording.string() + ": is still written, expected a finished recording"};
-  const recording::Reader run{settings.recording};
-  auto words = words_with_faults(settings, run);
-  PlayRing ring{settings.ring, run.map()};
-  for (auto& one : words) one = on_ring(std::move(one), ring.ring(), settings.ring);
-  std::deque<PlayedNode> nodes;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    nodes.emplace_back(ring.ring(), settings.nodes[i], std::move(words[i]));
-  wait_for(settings, ring.ring(), is_interrupted);
+Played play_by_clock(const PlaySettings& settings, const std::vector<double>& time,
+                     std::deque<PlayedNode>& nodes, const std::function<bool()>& is_interrupted) {
   Played played;
-  played.gap_errors.reserve(run.rows());
+  played.gap_errors.reserve(time.size());
   WallClock clock;
-  const auto& time = run.time();
   const TimePoint begun = clock.now() + kLongestSpin;
   TimePoint last{0};
   for (std::size_t row = 0; row < time.size(); ++row) {
@@ -251,6 +241,104 @@ Played play(const PlaySettings& settings, const std::function<bool()>& is_interr
   }
   played.is_complete = true;
   return played;
+}
+
+// Ticks of the counter's node after which each row is written: the next tick reads it. A row
+// between two ticks has what the later one had read. A recording with a row for each tick has it in
+// the row of this tick, which was taken after it.
+std::vector<double> ticks_before_rows(const std::vector<double>& counter) {
+  std::vector<double> ticks;
+  std::size_t changes = 0;
+  for (const double count : counter) {
+    const double before = ticks.empty() ? 0 : ticks.back();
+    ticks.push_back(std::isfinite(count) ? std::max(before, std::round(count)) : before);
+    changes += ticks.back() > before ? 1 : 0;
+  }
+  const bool has_rows_between = 2 * ticks.size() > 3 * changes;
+  for (double& tick : ticks) tick = std::max(0.0, tick - (has_rows_between ? 0 : 1));
+  const double first = ticks.empty() ? 0 : ticks.front();
+  for (double& tick : ticks) tick -= first;
+  return ticks;
+}
+
+/// A counter that another node writes, from its value now on.
+class Counter {
+ public:
+  Counter(broker::Ring& ring, const PlaySettings& settings)
+      : settings_{settings},
+        entry_{ring.map().entry(ring.map().signal(settings.counter))},
+        codec_{*entry_.signal},
+        observer_{ring.observe()} {
+    for (const auto& node : settings.nodes)
+      if (node == entry_.partition->node)
+        throw Error{fmt::format("counter '{}' is written by node '{}', which is played",
+                                settings.counter, node)};
+    begun_ = now();
+  }
+  Counter(const Counter&) = delete;
+  Counter& operator=(const Counter&) = delete;
+
+  [[nodiscard]] double ticks() const { return now() - begun_; }
+  /// @returns whether to go on
+  bool wait_until(double ticks, const std::function<bool()>& is_interrupted) {
+    const TimePoint latest = clock_.now() + from_seconds(settings_.longest_wait);
+    while (this->ticks() < ticks && !is_interrupted()) {
+      if (clock_.now() > latest)
+        throw Error{fmt::format("counter '{}' of ring '{}' is {:g}, expected {:g} within {:g} s",
+                                settings_.counter, settings_.ring, now(), begun_ + ticks,
+                                settings_.longest_wait)};
+      clock_.sleep_until(clock_.now() + kTickLook);
+    }
+    return !is_interrupted();
+  }
+
+ private:
+  [[nodiscard]] double now() const {
+    return std::round(codec_.decode(observer_.read(entry_.signal->offset)));
+  }
+
+  const PlaySettings& settings_;
+  memmap::SignalEntry entry_;
+  memmap::Codec codec_;
+  broker::Node observer_;
+  WallClock clock_;
+  double begun_ = 0;
+};
+
+Played play_by_counter(const PlaySettings& settings, const recording::Reader& run,
+                       broker::Ring& ring, std::deque<PlayedNode>& nodes,
+                       const std::function<bool()>& is_interrupted) {
+  const auto ticks = ticks_before_rows(run.signal(settings.counter));
+  Counter counter{ring, settings};
+  Played played;
+  for (std::size_t row = 0; row < ticks.size(); ++row) {
+    if (!counter.wait_until(ticks[row], is_interrupted)) return played;
+    for (auto& node : nodes) played.writes += node.write(row);
+    const bool is_last_before_tick = row + 1 == ticks.size() || ticks[row + 1] > ticks[row];
+    if (!is_last_before_tick) continue;
+    ++played.ticks;
+    played.late_ticks += counter.ticks() > ticks[row] ? 1 : 0;
+  }
+  played.is_complete = true;
+  return played;
+}
+
+}  // namespace
+
+Played play(const PlaySettings& settings, const std::function<bool()>& is_interrupted) {
+  if (recording::is_being_written(settings.recording))
+    throw Error{settings.recording.string() + ": is still written, expected a finished recording"};
+  const recording::Reader run{settings.recording};
+  auto words = words_with_faults(settings, run);
+  PlayRing ring{settings.ring, run.map()};
+  for (auto& one : words) one = on_ring(std::move(one), ring.ring(), settings.ring);
+  std::deque<PlayedNode> nodes;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    nodes.emplace_back(ring.ring(), settings.nodes[i], std::move(words[i]));
+  wait_for(settings, ring.ring(), is_interrupted);
+  return settings.counter.empty()
+             ? play_by_clock(settings, run.time(), nodes, is_interrupted)
+             : play_by_counter(settings, run, ring.ring(), nodes, is_interrupted);
 }
 
 }  // namespace rths::testkit

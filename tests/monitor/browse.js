@@ -17,7 +17,15 @@ const type = (input, text) => {
   input.value = text;
   input.dispatchEvent(new Event("input", { bubbles: true }));
 };
-const find = caption => [...document.querySelectorAll("figure")].find(f => f.querySelector("figcaption").firstChild.textContent === caption);
+const find = caption => {
+  const found = [...document.querySelectorAll("figure")].find(f => f.querySelector("figcaption").firstChild.textContent === caption);
+  found?.scrollIntoView({ block: "center" });  // figures that nobody sees are not drawn
+  return found;
+};
+const isSeen = figure => {
+  const { top, bottom } = figure.box.getBoundingClientRect();
+  return bottom > 0 && top < innerHeight;
+};
 const valueIn = (f, i = 0) => f.querySelectorAll("button.curve b")[i].textContent;
 const picture = f => f.querySelector("canvas").toDataURL();
 const drag = (area, from, to) => {
@@ -51,7 +59,8 @@ const questions = {
     say("unit", f.querySelector(".unit").textContent);
     say("safety", document.querySelectorAll("#test-cards .value")[1].textContent);
     say("nodes", [...document.querySelectorAll("#test-nodes tbody tr")].map(r => `${r.children[0].textContent} ${r.children[1].textContent}`).join(", "));
-    say("loop", find("Force by displacement, longitudinal").getAttribute("aria-label").includes("mm"));
+    const ofLoop = find("Force by displacement, longitudinal");
+    say("loop", await until(() => ofLoop.getAttribute("aria-label")?.includes("mm")));
     say("fits", document.documentElement.scrollWidth <= innerWidth);
     say("limits", [...document.querySelectorAll("#test-cards .limit:not([hidden])")].map(bar => bar.previousSibling.textContent.replace(/.* of /, "").replace("\u202f", " ")).join(", "));
     say("ground", getComputedStyle(document.body).backgroundColor);
@@ -80,11 +89,28 @@ const questions = {
     const dragged = interval();
     say("drag zooms", dragged[1] - dragged[0] < 0.7 * (wide[1] - wide[0]) && shown().startsWith("paused"));
     const others = moving.all.size;
-    say("all figures follow", others > 3 && [...moving.all].filter(g => g.plot.mode === 1)
+    say("all figures follow", others > 3 && [...moving.all].filter(g => g.plot.mode === 1 && isSeen(g))
       .every(g => Math.abs(g.plot.scales.x.max - live.shown()[1]) < 0.05));
     byId("scroll").value = 1000;
     byId("scroll").dispatchEvent(new Event("input"));
     say("live again", await until(() => shown().startsWith("live")));
+  },
+  seen: async () => {
+    await until(() => live.state.now > 2000);
+    scrollTo(0, 0);
+    await pause(200);
+    const drawn = new Map([...moving.all].map(f => [f, 0]));
+    for (const f of moving.all)
+      for (const draw of ["setData", "redraw"]) {
+        const original = f.plot[draw];
+        f.plot[draw] = (...given) => { drawn.set(f, drawn.get(f) + 1); return original(...given); };
+      }
+    await pause(1000);
+    const unseen = [...moving.all].filter(f => !isSeen(f));
+    say("draws what is seen", [...moving.all].filter(isSeen).every(f => drawn.get(f) > 3));
+    say("draws nothing else", unseen.length > 0 && unseen.every(f => drawn.get(f) === 0));
+    unseen[0].box.scrollIntoView();
+    say("draws what is scrolled to", await until(() => drawn.get(unseen[0]) > 3));
   },
   keys: async () => {
     press(" ");

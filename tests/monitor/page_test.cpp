@@ -113,6 +113,18 @@ TEST_F(LivePage, PausesScrollsAndZooms) {
       << answers;
 }
 
+TEST_F(LivePage, DrawsOnlyFiguresThatAreSeen) {
+  const Laboratory laboratory{unique_ring("seen")};
+  const PageServer server{settings_for(unique_ring("seen"))};
+
+  const std::string answers = Browser{server, "['test', 'seen']", {"--size", "1400x600"}}.answers();
+
+  EXPECT_EQ(missing(answers, {"draws what is seen: true", "draws nothing else: true",
+                              "draws what is scrolled to: true", "errors: none"}),
+            "")
+      << answers;
+}
+
 TEST_F(LivePage, IsUsedByKeysAlone) {
   const Laboratory laboratory{unique_ring("keys")};
   const PageServer server{settings_for(unique_ring("keys"))};

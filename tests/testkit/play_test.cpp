@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <future>
+#include <thread>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -178,6 +179,100 @@ TEST_F(PlayedRecording, IsRefusedWhileItIsWritten) {
 
   EXPECT_NE(error().find("growing.h5: is still written, expected a finished recording"),
             std::string::npos);
+}
+
+/// A controller whose ticks are counted by the word of the machine, and a recording of such a one.
+class CountedRecording : public PlayedRecording {
+ protected:
+  static constexpr int kTicks = 20;
+
+  CountedRecording() {
+    settings.counter = kCounter;
+    std::filesystem::remove(settings.recording);
+  }
+  /// @param rows_between  a row before each tick and one after it; else a row after each tick
+  void record(bool rows_between) {
+    const memmap::Map map = two_signal_map();
+    recording::Writer writer{
+        settings.recording, map, {map.signal("solver.displacement"), map.signal(kCounter)}, {}};
+    double time = 0;
+    for (int tick = 0; tick < kTicks; ++tick) {
+      if (rows_between)
+        writer.append(from_seconds(time += 4e-4), std::vector{displacement(tick), 1.0 * tick});
+      writer.append(from_seconds(time += 6e-4), std::vector{displacement(tick), tick + 1.0});
+    }
+    writer.close();
+  }
+  /// What the controller reads in each tick [m]. It ticks late, and now and then very late.
+  std::vector<double> read_in_ticks() {
+    auto ring = broker::Ring::create(settings.ring, two_signal_map());
+    auto controller = ring.join("machine", 0);
+    auto ended =
+        std::async(std::launch::async, [&] { return play(settings, [] { return false; }); });
+    std::vector<double> read;
+    for (int tick = 0; tick < kTicks; ++tick) {
+      const auto before = read.empty() ? 0 : read.back();
+      EXPECT_TRUE(comes_true([&] { return displacement_on(ring, controller) != before; }));
+      std::this_thread::sleep_for(std::chrono::milliseconds{tick % 8 == 7 ? 20 : 3});
+      read.push_back(displacement_on(ring, controller));
+      count(ring, controller, tick + 1);
+    }
+    played = ended.get();
+    broker::remove_ring(settings.ring);
+    return read;
+  }
+  static double displacement_on(const broker::Ring& ring, const broker::Node& node) {
+    const auto& entry = ring.map().entry(ring.map().signal("solver.displacement"));
+    return memmap::Codec{*entry.signal}.decode(node.read(entry.signal->offset));
+  }
+  static void count(const broker::Ring& ring, broker::Node& node, int ticks) {
+    const auto& entry = ring.map().entry(ring.map().signal(kCounter));
+    static_cast<void>(node.write(entry.signal->offset, memmap::Codec{*entry.signal}.encode(ticks)));
+  }
+  static constexpr const char* kCounter = "machine.force";
+};
+
+class PlayedInStep : public CountedRecording, public testing::WithParamInterface<bool> {};
+
+TEST_P(PlayedInStep, GivesEachTickItsRecordedWordsHoweverLateItIs) {
+  record(GetParam());
+  const auto read = read_in_ticks();
+
+  for (int tick = 0; tick < kTicks; ++tick)
+    EXPECT_NEAR(read[static_cast<std::size_t>(tick)], displacement(tick), 1e-8);
+  EXPECT_TRUE(played.is_complete);
+  EXPECT_GE(played.ticks, kTicks);
+  EXPECT_EQ(played.late_ticks, 0U);
+}
+INSTANTIATE_TEST_SUITE_P(RowsBetweenTicks, PlayedInStep, testing::Bool());
+
+TEST_F(CountedRecording, CountsTheTicksThatCameBeforeTheirWords) {
+  record(true);
+  auto ring = broker::Ring::create(settings.ring, two_signal_map());
+  auto controller = ring.join("machine", 0);
+  auto ended = std::async(std::launch::async, [&] { return play(settings, [] { return false; }); });
+  ASSERT_TRUE(comes_true([&] { return displacement_on(ring, controller) != 0; }));
+  count(ring, controller, kTicks);
+  played = ended.get();
+  broker::remove_ring(settings.ring);
+
+  EXPECT_TRUE(played.is_complete);
+  EXPECT_GE(played.late_ticks, kTicks - 2U);
+}
+
+TEST_F(CountedRecording, EndsIfATickIsNotInTime) {
+  record(true);
+  settings.longest_wait = 0.02;
+
+  EXPECT_EQ(error(), "counter 'machine.force' of ring '" + settings.ring +
+                         "' is 0, expected 1 within 0.02 s");
+}
+
+TEST_F(CountedRecording, IsNotInStepWithItself) {
+  record(true);
+  settings.nodes = {"machine"};
+
+  EXPECT_EQ(error(), "counter 'machine.force' is written by node 'machine', which is played");
 }
 
 /// A ring whose writes are recorded in another thread.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <rths/adapters/replay.hpp>
 
+#include <algorithm>
 #include <utility>
 
 #include <fmt/format.h>
@@ -16,7 +17,8 @@ namespace rths::adapters {
 namespace {
 
 constexpr double kLongestEnd = 1.9;  // after it is asked to stop [s]
-constexpr double kRounding = 1e-9;   // of a time, also after an hour [s]
+constexpr Duration kTick = std::chrono::milliseconds{1};
+constexpr double kRounding = 1e-9;  // of a time, also after an hour [s]
 
 class Replay final : public Adapter {
  public:
@@ -39,8 +41,10 @@ class Replay final : public Adapter {
   }
 
   [[nodiscard]] Status step(StepData& step) noexcept override {
+    const Schedule& schedule = settings_.schedule;
+    const double now = to_seconds(schedule.phase + steps_++ * schedule.period);
     const auto& time = settings_.time;
-    while (row_ < time.size() && time[row_] < step.time - kRounding) ++row_;
+    while (row_ < time.size() && time[row_] < now - kRounding) ++row_;
     if (row_ == time.size()) return Status::Done;
     for (std::size_t i = 0; i < codecs_.size(); ++i)
       step.outputs[i] = codecs_[i].decode(settings_.words[i].words[row_]);
@@ -53,6 +57,7 @@ class Replay final : public Adapter {
   std::shared_ptr<const recording::Reader> run_;
   std::vector<memmap::Codec> codecs_;
   std::size_t row_ = 0;
+  Duration::rep steps_ = 0;
   double stopped_at_ = -1;
 };
 
@@ -92,8 +97,10 @@ NodeSettings read_replay(const std::string& node, const Config& table,
   // The recorded machine had these parameters.
   if (settings.role == Role::Machine) settings.machine_table = MachineTable::Whole;
   // Its time can wait for a late controller, as that of a simulated machine.
-  if (settings.role == Role::Machine && !table.has("late_inputs"))
+  if (settings.role != Role::Controller && !table.has("late_inputs"))
     settings.schedule.missed = MissedSteps::Wait;
+  // A step for each tick of the controller, which reads nothing between them.
+  if (settings.role == Role::Solver) settings.schedule.period = kTick;
   const auto file = table.resolve(table.text("recording"));
   const std::string recorded = table.text("of_node", node);
   const auto run = table.placed("recording", [&] {
@@ -108,9 +115,12 @@ NodeSettings read_replay(const std::string& node, const Config& table,
       fault.fail("node", fmt::format("found the words of node '{}', expected those of '{}'",
                                      faults.back().node, recorded));
   }
-  settings.make = [=](const Experiment&, const NodeContext&) {
+  settings.make = [=](const Experiment& test, const NodeContext&) {
+    const auto plan = std::find_if(test.nodes.begin(), test.nodes.end(),
+                                   [&](const auto& other) { return other.node == node; });
     ReplaySettings replay{
-        run->time(), recording::of_file(file, [&] { return recording::words_of(*run, recorded); })};
+        run->time(), recording::of_file(file, [&] { return recording::words_of(*run, recorded); }),
+        plan->schedule};
     for (const auto& fault : faults) recording::apply(fault, replay.time, replay.words);
     std::erase_if(replay.words,
                   [&](const auto& word) { return !is_replayed(word.entry, recorded); });
