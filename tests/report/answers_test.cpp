@@ -178,8 +178,9 @@ TEST(Answers, TellHowOftenSuchANameIsRight) {
   Verdict verdict = untied_verdict();
   for (const auto& [confidence, expected] : {std::pair{0.99, "19 of 20 cases"},
                                              {0.9, "9 of 10 cases"},
-                                             {0.6, "4 of 10 cases"},
-                                             {0.2, "1 of 10 cases"}}) {
+                                             {0.6, "6 of 10 cases"},
+                                             {0.2, "2 of 10 cases"},
+                                             {0.05, "less than 1 of 10 cases"}}) {
     verdict.conclusion.causes[0].confidence = confidence;
 
     EXPECT_NE(answers_of(verdict).certainty.find(expected), std::string::npos)

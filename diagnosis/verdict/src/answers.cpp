@@ -358,8 +358,7 @@ std::string frequencies_of(const Verdict& verdict) {
     return fmt::format("Such a verdict is right in {} cases.", frequency_of(found.confidence));
   }
   std::vector<std::string> each;
-  for (const auto& cause : found.causes)
-    each.push_back(frequency_of(supported_share(cause.confidence)));
+  for (const auto& cause : found.causes) each.push_back(frequency_of(cause.confidence));
   if (std::all_of(each.begin(), each.end(), [&](const auto& one) { return one == each[0]; }))
     return fmt::format("{} right in {} cases.",
                        each.size() == 1 ? "Such a name is" : "Such names are", each[0]);

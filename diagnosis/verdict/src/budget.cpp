@@ -178,6 +178,7 @@ void name_transfer_system(Verdict& verdict) {
   conclusion.outcome = Outcome::Missing;
   std::erase(conclusion.unexplained, kDisplacement);
   conclusion.has_remainder = !conclusion.unexplained.empty();
+  doubt_guesses(conclusion);
   conclusion.confidence = confidence_in_outcome(conclusion, true);
   verdict.sentence = transfer_sentence(verdict, transfer_text(verdict.budget));
 }

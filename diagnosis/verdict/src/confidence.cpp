@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include <fmt/format.h>
 
@@ -15,26 +14,17 @@ constexpr double kLeastGain = 1e-3;  // [nat]
 // Coefficients of benchmarks/results/confidence.json [-]; a test compares them. Each lowers the
 // logarithm of the odds that a name is right.
 constexpr double kMost = 0.99;
-constexpr double kIntercept = 4.238;
-constexpr double kRivals = 0.86;
-constexpr double kRarelyBest = 1.718;
-constexpr double kLeft = 6.169;
-constexpr double kRemainder = 3.564;
-constexpr double kUnknown = 0.201;
-constexpr double kBeside = 2.449;
-constexpr double kParts = 0;
+constexpr double kIntercept = 3.514;
+constexpr double kRivals = 0.412;
+constexpr double kRarelyBest = 2.342;
+constexpr double kLeft = 3.313;
+constexpr double kRemainder = 1.178;
+constexpr double kOneChannel = 1.891;
+constexpr double kUnknown = 0;
+constexpr double kBeside = 1.166;
+constexpr double kParts = 2.818;
 constexpr double kNotHeldOut = 1;
-constexpr double kNoiseUnknown = 0.681;
-
-// Names of the trial and of the development cases together, by confidence: docs/verdict.md.
-struct Reliability {
-  double from;
-  int right, names;
-};
-constexpr Reliability kReliability[] = {{0.95, 166 + 99, 171 + 100},
-                                        {0.8, 146 + 86, 156 + 97},
-                                        {0.5, 21 + 5, 36 + 17},
-                                        {0, 7 + 11, 68 + 93}};
+constexpr double kNoiseUnknown = 0.502;
 
 }  // namespace
 
@@ -45,6 +35,7 @@ double confidence_in(const Cause& cause, const RelationVerdict& relation) {
                    kLeft * std::log1p(relation.left / std::max(cause.support.gain, kLeastGain)) +
                    (kBeside + (relation.common_law.empty() ? 0 : kParts)) * std::log(named);
   if (relation.has_remainder) against += kRemainder;
+  if (relation.has_remainder && relation.outputs.size() == 1) against += kOneChannel;
   if (relation.outcome == Outcome::Unknown) against += kUnknown;
   if (!relation.is_held_out) against += kNotHeldOut;
   if (!relation.proof.is_noise_known) against += kNoiseUnknown;
@@ -63,18 +54,20 @@ double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known) 
   return is_noise_known ? kNone : kNoneInUnknownNoise;
 }
 
-double supported_share(double confidence) {
-  const auto* const row =
-      std::find_if(std::begin(kReliability), std::prev(std::end(kReliability)),
-                   [&](const Reliability& one) { return confidence >= one.from; });
-  return static_cast<double>(row->right) / row->names;
+void doubt_guesses(Conclusion& conclusion) {
+  const auto& causes = conclusion.causes;
+  const auto guesses = std::count_if(causes.begin(), causes.end(), is_guess);
+  if (guesses == 0) return;
+  if (guesses == std::ssize(causes)) conclusion.outcome = Outcome::Unknown;
+  conclusion.has_remainder = conclusion.outcome == Outcome::Missing;
 }
 
 std::string frequency_of(double share) {
   constexpr double kNearlyAlways = 0.95;
   constexpr double kOfTen = 10;
-  return share >= kNearlyAlways ? "19 of 20"
-                                : fmt::format("{:.0f} of 10", std::floor(kOfTen * share));
+  if (share >= kNearlyAlways) return "19 of 20";
+  const double of_ten = std::floor(kOfTen * share);
+  return of_ten < 1 ? "less than 1 of 10" : fmt::format("{:.0f} of 10", of_ten);
 }
 
 }  // namespace rths::diagnosis

@@ -14,9 +14,9 @@ namespace rths::diagnosis {
 /// @param is_noise_known  in all relations
 [[nodiscard]] double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known);
 
-/// Share of names of such a confidence that were right in cases with known answers [-]: what may be
-/// said of one name, while the confidence orders them.
-[[nodiscard]] double supported_share(double confidence);
+/// A guess is no cause: beside causes it is a remainder, and alone it leaves unknown what is
+/// missing.
+void doubt_guesses(Conclusion& conclusion);
 
 /// "9 of 10": never more than the share.
 [[nodiscard]] std::string frequency_of(double share);

@@ -300,16 +300,6 @@ void name_lattices(const std::vector<Lattice>& lattices, Conclusion& conclusion)
   conclusion.where.channel = family_of(lattices[0].role);
 }
 
-// A guess is no cause: beside causes it is a remainder, and alone it leaves unknown what is
-// missing.
-void doubt_guesses(Conclusion& conclusion) {
-  const auto& causes = conclusion.causes;
-  const auto guesses = std::count_if(causes.begin(), causes.end(), is_guess);
-  if (guesses == 0) return;
-  if (guesses == std::ssize(causes)) conclusion.outcome = Outcome::Unknown;
-  conclusion.has_remainder = conclusion.outcome == Outcome::Missing;
-}
-
 // The law of which all guesses are parts is what is known of the form.
 void describe_guesses(const RelationFindings& shown, Verdict& verdict) {
   if (!shown.common_law || verdict.conclusion.outcome != Outcome::Unknown ||
