@@ -20,7 +20,6 @@ constexpr double kRarelyBest = 2.342;
 constexpr double kLeft = 3.313;
 constexpr double kRemainder = 1.178;
 constexpr double kOneChannel = 1.891;
-constexpr double kUnknown = 0;
 constexpr double kBeside = 1.166;
 constexpr double kParts = 2.818;
 constexpr double kNotHeldOut = 1;
@@ -36,7 +35,6 @@ double confidence_in(const Cause& cause, const RelationVerdict& relation) {
                    (kBeside + (relation.common_law.empty() ? 0 : kParts)) * std::log(named);
   if (relation.has_remainder) against += kRemainder;
   if (relation.has_remainder && relation.outputs.size() == 1) against += kOneChannel;
-  if (relation.outcome == Outcome::Unknown) against += kUnknown;
   if (!relation.is_held_out) against += kNotHeldOut;
   if (!relation.proof.is_noise_known) against += kNoiseUnknown;
   return std::min(kMost, 1 / (1 + std::exp(against - kIntercept)));
