@@ -133,6 +133,22 @@ TEST(Headline, DoubtsARareNameBesideASureOne) {
       << answers.missing;
 }
 
+TEST(Headline, TellsTheLawOfWhichGuessesAreParts) {
+  Verdict verdict = untied_verdict();
+  verdict.conclusion.causes.push_back(heating());
+  for (auto& cause : verdict.conclusion.causes) cause.confidence = 0.3;
+  verdict.conclusion.outcome = diagnosis::Outcome::Unknown;
+  verdict.relations.emplace_back();
+  verdict.relations[0].common_law = "f(v)";
+
+  const Answers answers = answers_of(verdict);
+
+  EXPECT_EQ(answers.headline.rfind("Missing: an unknown law of the velocity, perhaps ", 0), 0U)
+      << answers.headline;
+  EXPECT_NE(answers.missing.find("draw an unknown law of the velocity."), std::string::npos);
+  EXPECT_EQ(unreadable(verdict), "");
+}
+
 TEST(Headline, SaysThatMoreIsMissing) {
   Verdict verdict = untied_verdict();
   verdict.conclusion.has_remainder = true;

@@ -212,10 +212,19 @@ std::string improvement_of(const Verdict& verdict, const Detail& detail) {
                          : fmt::format("{} falls by {}", error, percent_of(1 - 1 / times));
 }
 
+// "an unknown law of the velocity", of which all guesses are parts; empty: there is none.
+std::string unknown_law(const Verdict& verdict) {
+  if (!are_guesses(verdict.conclusion.causes) || verdict.relations.empty()) return "";
+  const std::string& law = verdict.relations[0].common_law;
+  if (law.empty()) return "";
+  return law == "f(v)" ? "an unknown law of the velocity" : "an unknown law of the displacement";
+}
+
 // "Perhaps missing: friction (machine)"
 std::string start_of(const Verdict& verdict, const Detail& detail) {
-  return (are_guesses(verdict.conclusion.causes) ? "Perhaps missing: " : "Missing: ") +
-         all_named(verdict, detail);
+  const std::string law = unknown_law(verdict), names = all_named(verdict, detail);
+  if (!law.empty()) return fmt::format("Missing: {}, perhaps {}", law, names);
+  return (are_guesses(verdict.conclusion.causes) ? "Perhaps missing: " : "Missing: ") + names;
 }
 
 // The most detailed of some texts that is short enough; else the shortest.
@@ -339,6 +348,8 @@ std::string missing_answer(const Verdict& verdict) {
   const Conclusion& found = verdict.conclusion;
   std::vector<std::string> parts;
   if (found.outcome == Outcome::None) parts.emplace_back("No effect is missing.");
+  if (const std::string law = unknown_law(verdict); !law.empty())
+    parts.push_back(fmt::format("Together the following draw {}.", law));
   for (const auto& cause : found.causes) parts.push_back(told(cause, verdict));
   parts.push_back(remainder_told(verdict));
   if (!found.withdrawn.empty())
