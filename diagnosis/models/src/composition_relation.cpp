@@ -134,12 +134,13 @@ std::vector<Candidate> CompositionRelation::candidates(const Hypothesis& model) 
   auto candidates = candidates_of(place_of(predicted_by(setup_.channels)), model, scale_,
                                   setup_.axes, axis_scales_, setup_.without);
   // A term that differs forwards and backwards has a mean. Where no offset is free, it would be
-  // named instead of one. Beside a friction, the mean is its own.
+  // named instead of one. Beside a friction, the mean is its own in rows without time: they have no
+  // rest, which would show an offset, and the zero of a published loop lies in its middle.
   if (!setup_.has_free_offsets)
     for (auto& candidate : candidates) {
       if (candidate.name == "asymmetric_friction") {
         candidate.after = {"coulomb_friction"};
-        candidate.sum_of = {"coulomb_friction", "force_offset"};
+        if (!scale_.has_time) candidate.sum_of = {"coulomb_friction", "force_offset"};
       }
       if (candidate.name.starts_with("asymmetric_")) candidate.after.emplace_back("force_offset");
     }

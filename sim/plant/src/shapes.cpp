@@ -20,18 +20,18 @@ namespace {
 constexpr Index kPanel = Shapes::kPanel, kParts = Shapes::kParts;
 constexpr Index kVectors = 4;  // rows that are summed at once, in vectors: they stay in registers
 
-template <std::size_t kLanes>
-using Doubles [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+template <Index kLanes>
+using Doubles [[gnu::vector_size(static_cast<std::size_t>(kLanes) * sizeof(double))]] = double;
 
 // Written out, because one instruction loads and widens a vector only so.
-template <class Vector, std::size_t... kLane>
+template <class Vector, Index... kLane>
 [[gnu::always_inline]] inline void widen(const float* a, Vector& rows,
-                                         std::index_sequence<kLane...>) {
+                                         std::integer_sequence<Index, kLane...>) {
   rows = Vector{a[kLane]...};
 }
 
 // A x and A v of one panel A.
-template <std::size_t kLanes>
+template <Index kLanes>
 [[gnu::always_inline]] inline void multiply_in(const float* panel, Index columns, const double* x,
                                                const double* v, double (*products)[kPanel]) {
   using Vector = Doubles<kLanes>;
@@ -41,7 +41,7 @@ template <std::size_t kLanes>
     for (Index column = 0; column < columns; ++column, a += kPanel)
       for (Index k = 0; k < kVectors; ++k) {
         Vector rows;
-        widen(a + k * kLanes, rows, std::make_index_sequence<kLanes>{});
+        widen(a + k * kLanes, rows, std::make_integer_sequence<Index, kLanes>{});
         x_sums[k] += rows * x[column];
         v_sums[k] += rows * v[column];
       }
@@ -53,7 +53,7 @@ template <std::size_t kLanes>
 }
 
 // sums += Aᵀ x of one panel A: by column, of the rows that are equal modulo kParts.
-template <std::size_t kLanes>
+template <Index kLanes>
 [[gnu::always_inline]] inline void add_products_in(const float* a, Index columns, const double* x,
                                                    double* sums) {
   using Vector = Doubles<kLanes>;
@@ -62,7 +62,7 @@ template <std::size_t kLanes>
       Vector sum = *reinterpret_cast<const Vector*>(sums + part);
       for (Index row = part; row < kPanel; row += kParts) {
         Vector rows;
-        widen(a + row, rows, std::make_index_sequence<kLanes>{});
+        widen(a + row, rows, std::make_integer_sequence<Index, kLanes>{});
         sum += rows * *reinterpret_cast<const Vector*>(x + row);
       }
       *reinterpret_cast<Vector*>(sums + part) = sum;
