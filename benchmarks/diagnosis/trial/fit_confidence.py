@@ -18,7 +18,7 @@ import numpy as np
 from bench import commit, machine
 from confidence import FEATURES, features_of
 from judge import judge
-from names import canonical
+from names import canonical, terms_of
 from results import reliability
 
 RIDGE = 0.02  # on squares of the distances of the coefficients from those that hold without data
@@ -55,7 +55,7 @@ def _of_known_cases(out, right):
         relation = {name: one for one in verdict["relations"] for name in one["causes"]}
         names += [{"name": cause["name"], "confidence": cause["confidence"], "case": case, "set": "recorded", "outcome": verdict["verdict"],
                    "right": canonical(cause["name"]) in {canonical(name) for name in expected},
-                   "features": features_of(cause, relation.get(cause["name"]))} for cause in (*verdict["causes"], *verdict.get("guesses", []))]
+                   "features": features_of(cause, relation.get(cause["name"]))} for cause in terms_of(verdict)]
     return names
 
 

@@ -9,7 +9,7 @@ recording without the effect, is of the recording; the score beside it leaves th
 import places
 import sizes
 from confidence import features_of
-from names import canonical, is_form
+from names import canonical, is_form, terms_of
 
 NO_VERDICT = {"verdict": "failed", "where": {}, "causes": [], "fit": {}}
 SAME_SIZE = 2  # at most, between the sizes of a cause with and without the effect
@@ -165,7 +165,7 @@ def names_of(verdict, effects):
     relation = {name: one for one in verdict.get("relations", []) for name in one["causes"]}
     return [{"name": cause["name"], "confidence": cause["confidence"], "right": _is_right(cause, effects),
              "features": features_of(cause, relation.get(cause["name"]))}
-            for cause in (*verdict["causes"], *verdict.get("guesses", [])) if cause.get("confidence") is not None]
+            for cause in terms_of(verdict) if cause.get("confidence") is not None]
 
 
 def naming(verdict, answer):
@@ -192,7 +192,7 @@ def _is_same_cause(one, other):
 
 def beside_recording(verdict, control):
     """The verdict without the causes that the tool also names in the control."""
-    of_recording = [*control["causes"], *control.get("guesses", [])]
+    of_recording = terms_of(control)
     return {**verdict, **{key: [cause for cause in verdict.get(key, [])
                                 if not any(_is_same_cause(cause, other) for other in of_recording)] for key in ("causes", "guesses")}}
 

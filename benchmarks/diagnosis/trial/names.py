@@ -44,6 +44,11 @@ FORMS = {
 }
 
 
+def terms_of(verdict):
+    """Causes and guesses: the terms of the improved simulation."""
+    return [*verdict["causes"], *verdict.get("guesses", [])]
+
+
 def canonical(name):
     """The generator's name for a name of the tool."""
     return _OF_TOOL.get(name, name)

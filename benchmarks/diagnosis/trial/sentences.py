@@ -2,6 +2,8 @@
 """What must not be in any verdict: impossible shares, contradictory numbers, wrong units, causes of size zero."""
 import re
 
+from names import terms_of
+
 NEAR = 1e-6  # of a value
 ROUNDED = 6e-3  # of a number with three digits
 OF_CHANNEL = {"limit", "step", "offset"}  # parameters of a sensor in the unit of its channel
@@ -67,7 +69,7 @@ def _numbers(verdict):
 
 
 def _sizes(verdict):
-    for cause in (*verdict["causes"], *verdict.get("guesses", [])):
+    for cause in terms_of(verdict):
         sizes = [row for row in cause["parameters"].values() if row.get("absent") is not None and row["value"] is not None]
         if sizes and not cause["is_rule"] and cause["name"] != FORM_OF_LOOP and all(row["ci95"][0] <= row["absent"] <= row["ci95"][1] for row in sizes):
             yield f"{cause['name']} may have no size"
