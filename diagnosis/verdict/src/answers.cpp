@@ -168,10 +168,6 @@ std::string named(const Cause& cause, const Verdict& verdict, const Detail& deta
                      enumerated(names, " or "));
 }
 
-bool are_guesses(const std::vector<Cause>& causes) {
-  return std::all_of(causes.begin(), causes.end(), is_guess);
-}
-
 // "friction (machine), perhaps heating (bearing), and others"
 std::string all_named(const Verdict& verdict, const Detail& detail) {
   const auto& causes = verdict.conclusion.causes;

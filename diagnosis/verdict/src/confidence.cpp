@@ -52,11 +52,14 @@ double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known) 
   return is_noise_known ? kNone : kNoneInUnknownNoise;
 }
 
+bool are_guesses(const std::vector<Cause>& causes) {
+  return !causes.empty() && std::all_of(causes.begin(), causes.end(), is_guess);
+}
+
 void doubt_guesses(Conclusion& conclusion) {
   const auto& causes = conclusion.causes;
-  const auto guesses = std::count_if(causes.begin(), causes.end(), is_guess);
-  if (guesses == 0) return;
-  if (guesses == std::ssize(causes)) conclusion.outcome = Outcome::Unknown;
+  if (std::none_of(causes.begin(), causes.end(), is_guess)) return;
+  if (are_guesses(causes)) conclusion.outcome = Outcome::Unknown;
   conclusion.has_remainder = conclusion.outcome == Outcome::Missing;
 }
 

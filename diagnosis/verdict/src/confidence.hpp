@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include <rths/verdict/verdict.hpp>
 
 namespace rths::diagnosis {
@@ -13,6 +16,9 @@ namespace rths::diagnosis {
 /// The lowest confidence of any cause; without causes, how often a verdict like this one is right.
 /// @param is_noise_known  in all relations
 [[nodiscard]] double confidence_in_outcome(const Conclusion& conclusion, bool is_noise_known);
+
+/// Whether there are guesses, and no other cause.
+[[nodiscard]] bool are_guesses(const std::vector<Cause>& causes);
 
 /// A guess is no cause: beside causes it is a remainder, and alone it leaves unknown what is
 /// missing.

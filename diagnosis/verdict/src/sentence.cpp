@@ -7,6 +7,7 @@
 #include <rths/core/text.hpp>
 #include <rths/verdict/verdict.hpp>
 
+#include "confidence.hpp"
 #include "quantity.hpp"
 #include "report.hpp"
 
@@ -239,9 +240,8 @@ std::string name_of(Outcome outcome) {
 
 std::string sentence_of(const Verdict& verdict) {
   if (verdict.conclusion.outcome == Outcome::None) return none_sentence(verdict);
-  const auto& causes = verdict.conclusion.causes;
-  const bool is_guessed = !causes.empty() && std::all_of(causes.begin(), causes.end(), is_guess) &&
-                          verdict.relations[0].outcome == Outcome::Missing;
+  const bool is_guessed =
+      are_guesses(verdict.conclusion.causes) && verdict.relations[0].outcome == Outcome::Missing;
   return (verdict.conclusion.outcome == Outcome::Missing ? missing_sentence(verdict)
           : is_guessed                                   ? guess_sentence(verdict)
                                                          : unknown_sentence(verdict)) +
