@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <string>
-#include <string_view>
 
 #include <rths/identification/constants.hpp>
 #include <rths/identification/screening.hpp>
@@ -52,6 +51,18 @@ struct Form {
 
 VectorXd bent(const VectorXd& v) { return (v.array() / kBentSpeed).asinh(); }
 const double kBentReach = std::asinh(1 / kBentSpeed);
+
+// Displacement or velocity at a position between -1 and 1 among the knots of its curve.
+double state_at(double position, const std::string& abscissa, double reach) {
+  return (abscissa == "v" ? kBentSpeed * std::sinh(position * kBentReach) : position) * reach;
+}
+const char* label_of(const std::string& abscissa) {
+  return abscissa == "v" ? "velocity [m/s]" : "displacement [m]";
+}
+// Position of a knot.
+double position_of(Index knot, Index count) {
+  return 2 * static_cast<double>(knot) / static_cast<double>(count - 1) - 1;
+}
 
 VectorXd sign_of(const VectorXd& v) {
   return v.unaryExpr([](double x) { return std::tanh(x / kTurningSpeed); });
@@ -285,11 +296,9 @@ class FineCurve {
 
   [[nodiscard]] Description description(double share) const {
     Description law{"f(" + abscissa_ + ")", share, "", {}, {}, {}};
-    law.x_label = abscissa_ == "v" ? "velocity [m/s]" : "displacement [m]";
+    law.x_label = label_of(abscissa_);
     for (Index i = 0; i < hats_.count; ++i) {
-      const double x = hats_.low + (hats_.high - hats_.low) * static_cast<double>(i) /
-                                       static_cast<double>(hats_.count - 1);
-      law.x.push_back(reach_ * (abscissa_ == "v" ? kBentSpeed * std::sinh(x) : x));
+      law.x.push_back(state_at(position_of(i, hats_.count), abscissa_, reach_));
       law.y.push_back(weights_[i]);
       law.band.push_back(0);
     }
@@ -355,20 +364,14 @@ Description curve_of(const Form& form, const Regression& best, const ResidualVie
   const ResidualView::Range* state = view.range_over(form.abscissa);
   const Index m = best.weights.size();
   for (Index i = 0; i < m; ++i) {
-    double x = 2 * static_cast<double>(i) / static_cast<double>(m - 1) - 1;
-    if (form.abscissa == "v")
-      x = 0.05 * std::sinh(x * kBentReach) * view.reach("v");
-    else if (state != nullptr)
-      x = state->low + (x + 1) / 2 * (state->high - state->low);
-    else
-      x *= view.reach("u");
-    description.x.push_back(x);
+    const double position = position_of(i, m);
+    description.x.push_back(state != nullptr
+                                ? state->low + (position + 1) / 2 * (state->high - state->low)
+                                : state_at(position, form.abscissa, view.reach(form.abscissa)));
     description.y.push_back(best.weights[i]);
     description.band.push_back(best.deviation[i]);
   }
-  description.x_label = form.abscissa == "v" ? "velocity [m/s]"
-                        : state != nullptr   ? state->label
-                                             : "displacement [m]";
+  description.x_label = state != nullptr ? state->label : label_of(form.abscissa);
   return description;
 }
 
@@ -384,8 +387,8 @@ std::optional<Description> common_law(const TestedHypothesis& with,
     if (one.cols() != 1 || other.size() != one.size()) return std::nullopt;
     forces.push_back(one - other);
   }
-  for (const char* abscissa : {"u", "v"}) {
-    if (abscissa == std::string_view{"v"} && !problem.drive(0).has_time) continue;
+  for (const std::string abscissa : {"u", "v"}) {
+    if (abscissa == "v" && !problem.drive(0).has_time) continue;
     FineCurve curve{problem, abscissa};
     const double share = curve.fit(forces);
     if (share > kCommonLaw) return curve.description(share);

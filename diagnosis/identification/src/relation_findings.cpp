@@ -66,11 +66,11 @@ void prove(RelationFindings& found, DiagnosisProgress& progress) {
 // two with the same effect, the records show only the sum.
 void hold_replaceable(RelationFindings& found) {
   const Hypothesis& stated = found.relation->base();
+  const Index of_model = std::ssize(stated.free);  // they come first
+  if (!found.is_named() || of_model == 0) return;
   Hypothesis& named = found.selection.named;
-  while (found.is_named()) {
+  while (true) {
     const auto all = undetermined(*found.problem, found.folds.both, named);
-    // Those of the model come first.
-    const Index of_model = std::ssize(stated.free);
     if (all.empty() || all.front() >= of_model || all.back() < of_model) return;
     FreeParameter& held = named.free[static_cast<std::size_t>(all.front())];
     held.low = held.high = named.values[all.front()] = stated.values[all.front()];
