@@ -8,15 +8,30 @@
 
 namespace rths::diagnosis {
 
-/// The base with the candidates of the wanted rounds, at the current values.
+/// The base with the candidates of the wanted rounds, at the current values. A candidate that
+/// changes the term of another one follows it, and is left out with it.
 template <class Wanted>
 [[nodiscard]] Hypothesis with_rounds(const Hypothesis& base,
                                      const std::vector<SelectionRound>& rounds,
                                      const Wanted& wanted, const Hypothesis& current) {
+  std::vector<const SelectionRound*> missing, waiting;
+  for (const SelectionRound& round : rounds) {
+    missing.push_back(&round);
+    if (wanted(round)) waiting.push_back(&round);
+  }
+  const auto is_ready = [&](const SelectionRound* round) {
+    return std::none_of(missing.begin(), missing.end(), [&](const SelectionRound* other) {
+      return depends_on(round->chosen.candidate, other->chosen.candidate);
+    });
+  };
   Hypothesis rest = base;
-  for (const SelectionRound& round : rounds)
-    if (wanted(round))
-      rest = extended(rest, round.chosen.candidate, round.chosen.candidate.starts[0]);
+  for (auto next = std::find_if(waiting.begin(), waiting.end(), is_ready); next != waiting.end();
+       next = std::find_if(waiting.begin(), waiting.end(), is_ready)) {
+    const Candidate& candidate = (*next)->chosen.candidate;
+    rest = extended(rest, candidate, candidate.starts[0]);
+    std::erase(missing, *next);
+    waiting.erase(next);
+  }
   take_values(current, rest);
   return rest;
 }
