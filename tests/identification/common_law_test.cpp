@@ -120,5 +120,35 @@ TEST(RelationFindings, KeepsAStatedParameterThatANamedTermCanReplace) {
   EXPECT_NEAR(named.values[2], 0, 0.2);
 }
 
+// Two functions of the displacement: one law of two terms, but none of a term and a sensor.
+TEST(RelationFindings, HaveNoCommonLawOfATermAndASensor) {
+  for (const Part part : {Part::Structure, Part::Sensor}) {
+    std::vector<Record> records;
+    for (const int i : {0, 1, 2}) {
+      const VectorXd u = sine_of(20 + i, kLawRows) + sine_of(33 + i, kLawRows);
+      const VectorXd cubic = u.array().cube(), bent = (2 * u).array().tanh();
+      records.push_back(linear_record("record " + std::to_string(i),
+                                      i == 0 ? Use::Fit : Use::HeldOut, kLawStep,
+                                      2 * cubic - 3 * bent + gauss(kLawRows, 1, 40 + unsigned(i)),
+                                      {{"cubic.coefficient", cubic}, {"bent.coefficient", bent}}));
+      records.back().channels.push_back({"auxiliary.displacement", "m", {u.begin(), u.end()}});
+      records.back().channels.push_back(
+          {"auxiliary.velocity", "m/s", std::vector<double>(std::size_t(kLawRows))});
+    }
+    auto relation = std::make_unique<LinearRelation>();
+    relation->known = {friction("cubic"), friction("bent")};
+    relation->known[1].part = part;
+    std::vector<const Record*> all;
+    for (const auto& record : records) all.push_back(&record);
+    const SensorNoise noise{all, {{"output.0", 1}}};
+    DiagnosisProgress progress;
+
+    const auto found = examine(std::move(relation), records, noise, 1, progress);
+
+    EXPECT_EQ(found->selection.rounds.size(), 2U);
+    EXPECT_EQ(found->common_law.has_value(), part == Part::Structure);
+  }
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

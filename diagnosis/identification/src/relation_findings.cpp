@@ -78,14 +78,20 @@ void hold_replaceable(RelationFindings& found) {
   }
 }
 
+// Whether a round named no law of displacement or velocity, but a rule, a sensor or an actuator.
+bool is_no_law(const SelectionRound& round) {
+  const Part part = round.chosen.candidate.part;
+  return is_rule(round) || part == Part::Sensor || part == Part::Actuator;
+}
+
 // The law that several named terms draw together, at the fitted values of all others.
 std::optional<Description> common_law_of(const RelationFindings& found) {
   const Selection& selection = found.selection;
   const auto& rounds = selection.rounds;
-  if (std::count_if(rounds.begin(), rounds.end(), std::not_fn(is_rule)) < 2) return std::nullopt;
+  if (std::count_if(rounds.begin(), rounds.end(), std::not_fn(is_no_law)) < 2) return std::nullopt;
   return common_law(
       {*found.problem, selection.named},
-      {*found.problem, with_rounds(selection.base, rounds, is_rule, selection.named)});
+      {*found.problem, with_rounds(selection.base, rounds, is_no_law, selection.named)});
 }
 
 // Withdraws candidates until none is left to withdraw, and proves what stays after each.
