@@ -53,6 +53,15 @@ TEST(Acceptance, AcceptsALargeGainAtOneInstant) {
   EXPECT_FALSE(is_acceptable(gaining("x", blocks), kLeast, kAcceptanceSeed));
 }
 
+// Without the instant, 50 blocks cost 15 or 25 nat. Scatter explains 18.
+TEST(Acceptance, AcceptsAnInstantThatCostsNoMoreThanScatterElsewhere) {
+  for (const auto& [cost, is_accepted] : {std::pair{0.3, true}, {0.5, false}}) {
+    std::vector<double> blocks(50, -cost);
+    blocks[7] = 3 * kLeastGainOfAnEvent;
+    EXPECT_EQ(is_acceptable(gaining("x", blocks), kLeast, kAcceptanceSeed), is_accepted) << cost;
+  }
+}
+
 TEST(HeldBack, WaitsForAnAcceptableSimplerCandidate) {
   ScoredCandidate complex = gaining("complex", even(100));
   complex.candidate.after = {"simple"};

@@ -260,6 +260,22 @@ TEST(Select, KeepsAnEffectThatShowsInFewSeconds) {
   EXPECT_EQ(names_in(six.selected().rounds), (std::set<std::string>{"e2", "e5"}));
 }
 
+// The second record lacks the effect e2, which fits the first one best.
+TEST(Select, FindsFirstWhatOneRecordAloneShows) {
+  SixCandidates six{{{"e2", 5}, {"e5", 1}}, 2};
+  auto& signal = values_in(six.records[1], "input.e2.coefficient.0");
+  auto& measured = values_in(six.records[1], "output.0");
+  for (std::size_t row = 0; row < signal.size(); ++row) {
+    measured[row] -= 5 * signal[row];
+    signal[row] = 0;
+  }
+
+  const Selection selection = six.selected();
+
+  ASSERT_FALSE(selection.rounds.empty());
+  EXPECT_EQ(selection.rounds[0].chosen.candidate.name, "e2");
+}
+
 // Two effects explain 25 and 20 % of the rest: these may be errors of the form of the first.
 TEST(Select, NamesNoneOfSeveralThatExplainSomeOfTheRest) {
   const std::map<std::string, double> truth{
@@ -379,6 +395,34 @@ TEST(Select, ChoosesTheCheaperOfTwoEquals) {
   ASSERT_EQ(names_in(selection.rounds), std::set<std::string>{"twin"});
   ASSERT_EQ(selection.rounds[0].tied.size(), 1U);
   EXPECT_EQ(selection.rounds[0].tied[0].candidate.name, "e3");
+}
+
+// The signal of "near" is e3 and 5 % of e4 on the first record, of another signal on the second.
+// Without e4, it explains a part of it. Beside e4, it gains less than e3, although by less than 1
+// %.
+TEST(Select, ReplacesATermBesideALaterOneByABetterRival) {
+  SixCandidates six{{{"e3", 30}}, 3};
+  six.relation.known.push_back(friction("near"));
+  for (auto& record : six.records) {
+    const bool is_first = &record == &six.records[0];
+    auto& other = values_in(record, "input.e4.coefficient.0");
+    auto& measured = values_in(record, "output.0");
+    VectorXd near =
+        Eigen::Map<const VectorXd>(values_in(record, "input.e3.coefficient.0").data(), kSelectRows);
+    const VectorXd beside = sine_of(40, kSelectRows);
+    for (std::size_t row = 0; row < measured.size(); ++row) {
+      measured[row] += is_first ? 3 * other[row] : 0;
+      near[Index(row)] += 0.05 * (is_first ? other[row] : beside[Index(row)]);
+      if (!is_first) other[row] = 0;
+    }
+    record.channels.push_back(
+        {"input.near.coefficient.0", "N", std::vector<double>(near.begin(), near.end())});
+  }
+
+  const Selection selection = six.selected();
+
+  EXPECT_EQ(selection.first[0].candidate.name, "near");
+  EXPECT_EQ(names_in(selection.rounds), (std::set<std::string>{"e3", "e4"}));
 }
 
 TEST(Select, LetsACandidateWaitForASimplerOne) {

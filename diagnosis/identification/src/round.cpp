@@ -225,11 +225,25 @@ void Round::allow_for_noise() {
   sort();
 }
 
-// Fits the better candidates on the second fold and scores them on the first.
+// Fits the better candidates on the second fold and scores them on the first. The second may lack
+// the event that explains the first: so the one that fits the first best is tried too, and stays if
+// it is the best of all.
 void Round::reverse() {
   if (ranked_.empty()) return;
-  const double best = ranked_[0].gain;
-  while (ranked_.size() > 1 && ranked_.back().gain < kReversedShare * best) ranked_.pop_back();
+  const double least = kReversedShare * ranked_[0].gain;
+  const auto fits_best = [&](const ScoredCandidate& scored) {
+    return is_same(scored.candidate, best_fit_->candidate);
+  };
+  const auto is_worse = [&](const ScoredCandidate& scored) { return scored.gain < least; };
+  const auto second = ranked_.begin() + 1;
+  const bool is_event = std::any_of(second, ranked_.end(), [&](const ScoredCandidate& scored) {
+    return is_worse(scored) && fits_best(scored);
+  });
+  ranked_.erase(std::remove_if(second, ranked_.end(),
+                               [&](const ScoredCandidate& scored) {
+                                 return is_worse(scored) && !fits_best(scored);
+                               }),
+                ranked_.end());
   const auto backwards = [&](const Hypothesis& hypothesis) {
     return scores(problem_, fitted(problem_, hypothesis, folds_.second, kShortFit), folds_.first);
   };
@@ -241,6 +255,7 @@ void Round::reverse() {
     scored.gain += sum(back);
   }
   sort();
+  if (is_event && !fits_best(ranked_[0])) std::erase_if(ranked_, fits_best);
 }
 
 void Round::measure_rest() {

@@ -246,14 +246,18 @@ class Selector {
     return replaced;
   }
 
-  // In a tie, the holder yields only to a cheaper rival that gains as much.
-  static void keep_in_tie(SelectionRound& round, const Candidate& holder) {
+  // In a tie, the holder yields only to a cheaper rival that gains as much, or to one that is no
+  // dearer and predicts other rows better.
+  void keep_in_tie(SelectionRound& round, const Candidate& holder) const {
     const auto held = std::find_if(round.tied.begin(), round.tied.end(), [&](const auto& tied) {
       return is_same(tied.candidate, holder);
     });
     if (held == round.tied.end()) return;
-    const bool is_cheaper = round.chosen.candidate.price < holder.price;
-    if (!is_cheaper || held->gain > round.chosen.gain) std::swap(round.chosen, *held);
+    const double price = round.chosen.candidate.price;
+    const bool is_better = is_beneficial(minus(round.chosen.differences, held->differences),
+                                         {kLeastAcceptedGain, kLeastGainOfAnEvent}, seed_);
+    if (price <= holder.price && is_better) return;
+    if (price >= holder.price || held->gain > round.chosen.gain) std::swap(round.chosen, *held);
   }
 
   // The candidates that may extend a model and are not named yet.
