@@ -172,6 +172,20 @@ TEST_F(Pruning, KeepsACandidateThatExplainsMostOfTheRest) {
   EXPECT_EQ(reasons({2, 100, 0}, {{2, 100, 0}}), Reasons{});
 }
 
+// x is 2.5·10⁻⁵ of the energy of the error. What it leaves is noise, or noise and a little more.
+TEST_F(Pruning, KeepsASmallCandidateThatLeavesOnlyNoise) {
+  for (const auto& [rest, reason] :
+       {std::pair{0.0, Reasons{}},
+        {0.5, Reasons{"x: it explains less than 0.1 % of the unseen records' error"}}}) {
+    selection = {};
+    records.clear(), held_records.clear();
+    add(friction("y"));
+    add(friction("x"));
+
+    EXPECT_EQ(reasons({0.5, 100, rest}, {{0.5, 100, rest}}), reason) << rest;
+  }
+}
+
 // y leaves 13 times the noise, of which x explains a third: it may be an error of the form of y.
 TEST_F(Pruning, WithdrawsACandidateThatExplainsSomeOfTheRest) {
   add(friction("y"));
@@ -203,8 +217,8 @@ TEST_F(Pruning, KeepsACandidateThatIsSmallBesideTheOthers) {
   EXPECT_EQ(reasons({0.5, 0, 2}, {{0.5, 0, 14}}), Reasons{});
 }
 
-// x explains 0.5²/(100² + 0.5² + 1) of the error of the base, but 0.5²/(0.5² + 1) of what y leaves.
-// An error of the form of y may look like x, if it has one.
+// x explains 0.5²/(100² + 2·0.5² + 1) of the error of the base, but 0.5²/(2·0.5² + 1) of what y
+// leaves. An error of the form of y may look like x, if it has one.
 TEST_F(Pruning, MeasuresShareBesideAnEffectOfExactForm) {
   Candidate large = friction("y");
   for (const bool is_exact : {false, true}) {
@@ -214,7 +228,7 @@ TEST_F(Pruning, MeasuresShareBesideAnEffectOfExactForm) {
     add(large);
     add(friction("x"));
 
-    const auto withdrawn = reasons({0.5, 100, 0}, {{0.5, 100, 0}});
+    const auto withdrawn = reasons({0.5, 100, 0.5}, {{0.5, 100, 0.5}});
 
     EXPECT_EQ(withdrawn,
               is_exact ? Reasons{}
