@@ -12,8 +12,8 @@
 #include <rths/fmi/fmu_files.hpp>
 #include <rths/fmi/fmu_unit.hpp>
 
-#include "child.hpp"
 #include "fmu_run.hpp"
+#include "forked_runs.hpp"
 
 namespace rths::foreign {
 namespace {
@@ -133,7 +133,7 @@ class SetupReader {
   std::vector<std::string> states_;
 };
 
-class FmuSimulation final : public Simulation {
+class FmuSimulation final : public ForkedSimulation {
  public:
   explicit FmuSimulation(FmuSettings settings) : files_{settings.file} {
     setup_.description = fmi::read_description(settings.file);
@@ -144,47 +144,18 @@ class FmuSimulation final : public Simulation {
     SetupReader{setup_}.read();
   }
 
-  RunOutputs run(const RunInputs& inputs) const override {
-    const RunInputs* const one = &inputs;
-    return run_forked_once({&one, 1})[0];
-  }
-
-  // A fork costs more than most runs. If one of several fails, each is made alone.
-  std::vector<RunOutputs> run_each(std::span<const RunInputs* const> all) const override {
-    std::vector<RunOutputs> results = run_forked_once(all);
-    if (all.size() > 1 && !results[0].trouble.empty()) return Simulation::run_each(all);
-    return results;
-  }
-  bool prefers_several() const override { return true; }
-
  private:
-  std::vector<RunOutputs> run_forked_once(std::span<const RunInputs* const> all) const {
-    const TemporaryRun folder;
-    const std::size_t outputs = setup_.settings.outputs.size();
-    std::size_t numbers = 0;
-    for (const RunInputs* inputs : all) numbers += outputs * inputs->rows;
-    const SharedNumbers results{numbers};
-    const auto work = [&] {
-      double* next = results.data();
-      for (const RunInputs* inputs : all) {
-        run_fmu(setup_, *inputs, setup_.restarts(), next);
-        if (setup_.restarts() && !is_checked_ && inputs->law.key.empty())
-          check_restarts(*inputs, next);
-        next += outputs * inputs->rows;
-      }
+  [[nodiscard]] std::vector<RunOutputs> run_forked_once(
+      std::span<const RunInputs* const> all) const override {
+    const auto run = [&](const RunInputs& inputs, double* results) {
+      run_fmu(setup_, inputs, setup_.restarts(), results);
+      if (setup_.restarts() && !is_checked_ && inputs.law.key.empty())
+        check_restarts(inputs, results);
     };
-    const ChildEnding ending =
-        run_forked(work, folder.path(), setup_.settings.deadline * static_cast<double>(all.size()));
-    std::vector<RunOutputs> found(all.size());
-    const double* next = results.data();
-    for (std::size_t k = 0; k < all.size(); ++k)
-      for (std::size_t i = 0; i < outputs && ending.trouble.empty(); ++i, next += all[k]->rows)
-        found[k].outputs.emplace_back(next, next + all[k]->rows);
-    is_checked_ = is_checked_ || ending.trouble.empty();
-    if (!ending.trouble.empty())
-      for (auto& one : found)
-        one.trouble = fmt::format("{}: {}{}{}", setup_.settings.file.string(), ending.trouble,
-                                  ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
+    const FmuSettings& settings = setup_.settings;
+    const ForkedRuns runs{settings.file.string(), settings.outputs.size(), settings.deadline, run};
+    auto found = runs.results(all);
+    is_checked_ = is_checked_ || found[0].trouble.empty();
     return found;
   }
 

@@ -8,20 +8,13 @@
 
 #include <rths/core/error.hpp>
 
+#include "forked_runs.hpp"
+
 namespace rths::foreign {
 namespace {
 
 constexpr double kSamePlace = 1e-6;  // of a step
 constexpr double kMostDivisions = 20;
-
-// Interpolates linearly between rows. @param place  [rows]
-double at_place(const std::vector<double>& rows, double place) {
-  const auto last = static_cast<double>(rows.size() - 1);
-  const double clamped = std::clamp(place, 0.0, last);
-  const auto row = static_cast<std::size_t>(std::min(clamped, std::max(0.0, last - 1)));
-  const double share = clamped - static_cast<double>(row);
-  return share > 0 ? rows[row] + share * (rows[row + 1] - rows[row]) : rows[row];
-}
 
 /// One run, from the first row to the last.
 class FmuRun {
@@ -87,10 +80,9 @@ class FmuRun {
     for (std::size_t i = 0; i < inputs_.inputs.size(); ++i) {
       const auto& rows = inputs_.inputs[i];
       const double first = from / inputs_.time_step, last = to / inputs_.time_step;
+      const double begin = value_at(rows, first, setup_.settings.holds_inputs);
       given_[i] =
-          setup_.settings.holds_inputs
-              ? rows[std::min(static_cast<std::size_t>(first + kSamePlace), rows.size() - 1)]
-              : 0.5 * (at_place(rows, first) + at_place(rows, last));
+          setup_.settings.holds_inputs ? begin : 0.5 * (begin + value_at(rows, last, false));
     }
   }
   // With the forces of the ports, extrapolated by a share of a step.

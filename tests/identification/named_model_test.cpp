@@ -57,5 +57,16 @@ TEST(ModelOfRounds, LeavesOutWhatChangesATermThatIsLeftOut) {
   EXPECT_EQ(free_of(rest), (std::vector<std::string>{"mass", "gain.coefficient"}));
 }
 
+TEST(Selection, ExplainsTheShareOfTheExcess) {
+  Selection selection;
+  selection.variance_base = 5;
+  selection.variance_named = 2;
+  EXPECT_DOUBLE_EQ(selection.explained(), 0.75);
+  selection.variance_named = 6;
+  EXPECT_EQ(selection.explained(), 0);
+  selection.variance_base = 1;
+  EXPECT_EQ(selection.explained(), 0);
+}
+
 }  // namespace
 }  // namespace rths::diagnosis

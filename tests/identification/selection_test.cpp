@@ -271,7 +271,6 @@ TEST(Select, FindsFirstWhatOneRecordAloneShows) {
   }
 
   const Selection selection = six.selected();
-
   ASSERT_FALSE(selection.rounds.empty());
   EXPECT_EQ(selection.rounds[0].chosen.candidate.name, "e2");
 }
@@ -445,17 +444,6 @@ TEST(Select, GivesTheSameForTheSameSeed) {
 
   EXPECT_EQ(one.named.values, other.named.values);
   EXPECT_EQ(one.rounds[0].chosen.low, other.rounds[0].chosen.low);
-}
-
-TEST(Selection, ExplainsTheShareOfTheExcess) {
-  Selection selection;
-  selection.variance_base = 5;
-  selection.variance_named = 2;
-  EXPECT_DOUBLE_EQ(selection.explained(), 0.75);
-  selection.variance_named = 6;
-  EXPECT_EQ(selection.explained(), 0);
-  selection.variance_base = 1;
-  EXPECT_EQ(selection.explained(), 0);
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ constexpr Family kFamilies[] = {{"command", true, {"m", "rad"}},
 
 // In the order of ModelKind.
 constexpr std::string_view kModelKinds[] = {
-    "bearing", "platen", "servo_axis", "structure", "mass_spring_damper",
-    "linear",  "data",   "program",    "opensees",  "fmu"};
+    "bearing", "platen",   "servo_axis", "structure", "mass_spring_damper", "linear", "data",
+    "program", "opensees", "fmu",        "plugin"};
 
 }  // namespace
 

@@ -45,6 +45,7 @@ DynamicModel read_stated(const Case& c, const ForeignModel* foreign, const Recor
     case ModelKind::Program:
     case ModelKind::OpenSees:
     case ModelKind::Fmu:
+    case ModelKind::Plugin:
       return read_foreign(*foreign, record);
     default:
       throw Error{fmt::format("{}: a model of kind '{}' is not a dynamic system", c.name,

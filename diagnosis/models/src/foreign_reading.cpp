@@ -10,6 +10,7 @@
 #include <rths/fmi/fmu_unit.hpp>
 #include <rths/foreign/fmu.hpp>
 #include <rths/foreign/opensees.hpp>
+#include <rths/foreign/plugin.hpp>
 #include <rths/foreign/program.hpp>
 
 namespace rths::diagnosis {
@@ -77,6 +78,7 @@ class ForeignReader {
     take({"inputs", "outputs", "parameters", "most_runs", "deadline_s"});
     if (model_.kind == ModelKind::Fmu) read_fmu();
     if (model_.kind == ModelKind::OpenSees) read_opensees();
+    if (model_.kind == ModelKind::Plugin) read_plugin();
     if (model_.kind == ModelKind::Program) read_program();
     found_.rest = table_;
     for (const auto& key : taken_) found_.rest = found_.rest.without(key);
@@ -156,12 +158,43 @@ class ForeignReader {
       if (variable == nullptr) return KnownParameter{};
       return KnownParameter{variable->start, variable->unit.empty() ? "1" : variable->unit};
     });
-    const Config start = table_.table_or_empty("start");
-    for (const auto& name : start.keys()) settings.start.emplace_back(name, start.number(name));
-    read_units(description, settings);
-    read_ports(description, settings);
+    read_connections([&](const std::string& name) { return unit_of(description, name); }, settings);
     found_.simulation =
         table_.placed("file", [&] { return foreign::make_fmu(std::move(settings)); });
+  }
+
+  void read_plugin() {
+    take({"file", "config", "start", "step_s", "port"});
+    foreign::PluginRunSettings settings;
+    settings.file = table_.resolve(table_.text("file"));
+    if (!std::filesystem::is_regular_file(settings.file))
+      table_.fail("file", settings.file.string() + " is not a file");
+    const Config config = table_.table_or_empty("config");
+    settings.config = config.to_toml();
+    settings.inputs = inputs_;
+    settings.outputs = outputs_;
+    settings.step = table_.number_in("step_s", 1e-9, kLongest, 0);
+    settings.holds_inputs = table_.text("hold", "") == "zero";
+    settings.deadline = deadline_;
+    const auto signals = table_.placed(
+        "file", [&] { return foreign::plugin_signals(settings.file, settings.config, deadline_); });
+    const auto found = [&](const std::string& name) {
+      return std::find_if(signals.begin(), signals.end(),
+                          [&](const auto& signal) { return signal.name == name; });
+    };
+    settings.parameters = read_parameters([&](const std::string& name) {
+      const auto signal = found(name);
+      return signal == signals.end() ? KnownParameter{}
+                                     : KnownParameter{signal->initial, signal->unit};
+    });
+    read_connections(
+        [&](const std::string& name) {
+          const auto signal = found(name);
+          return signal == signals.end() ? std::string{} : signal->unit;
+        },
+        settings);
+    found_.simulation =
+        table_.placed("file", [&] { return foreign::make_plugin(std::move(settings)); });
   }
 
   static std::string unit_of(const fmi::ModelDescription& description, const std::string& name) {
@@ -170,31 +203,40 @@ class ForeignReader {
                ? ""
                : fmi::si_unit_of(description, *variable).name;
   }
-  void read_units(const fmi::ModelDescription& description, const foreign::FmuSettings& settings) {
-    for (const auto& output : settings.outputs)
-      found_.units.push_back(unit_of(description, output));
-  }
 
-  void read_ports(const fmi::ModelDescription& description, foreign::FmuSettings& settings) {
+  // Start values, units of outputs, and ports. @param unit_of  a variable, SI; empty: not known
+  template <class UnitOf, class Settings>
+  void read_connections(const UnitOf& unit_of, Settings& settings) {
+    const Config start = table_.table_or_empty("start");
+    for (const auto& name : start.keys()) settings.start.emplace_back(name, start.number(name));
+    for (const auto& output : settings.outputs) found_.units.push_back(unit_of(output));
     const Config ports = table_.table_or_empty("port");
     for (const auto& name : ports.keys()) {
       const Config table = ports.table(name);
-      foreign::FmuPort port{table.text("displacement"), table.text("velocity", ""),
-                            table.text("force", ""), table.text("state", "")};
-      if (port.force.empty() == port.state.empty())
-        ports.fail(name, "expected one of force and state");
+      typename decltype(settings.ports)::value_type port;
+      port.displacement = table.text("displacement");
+      port.velocity = table.text("velocity", "");
+      std::string velocity = port.velocity;
+      if constexpr (requires { port.state; }) {
+        port.force = table.text("force", "");
+        port.state = table.text("state", "");
+        if (port.force.empty() == port.state.empty())
+          ports.fail(name, "expected one of force and state");
+        if (velocity.empty()) velocity = port.state;
+      } else {
+        port.force = table.text("force");
+      }
       table.reject_unknown_keys();
-      const std::string velocity = port.velocity.empty() ? port.state : port.velocity;
       ForeignPort found{"port." + name,
                         add_motion(name, "displacement", port.displacement, settings),
                         "",
                         "",
                         "",
                         {}};
-      found.displacement_unit = unit_of(description, port.displacement);
+      found.displacement_unit = unit_of(port.displacement);
       if (!velocity.empty()) {
         found.velocity = add_motion(name, "velocity", velocity, settings);
-        found.velocity_unit = unit_of(description, velocity);
+        found.velocity_unit = unit_of(velocity);
       }
       const auto like = std::find(inputs_.begin(), inputs_.end(), port.force);
       if (like != inputs_.end())
@@ -203,8 +245,9 @@ class ForeignReader {
       settings.ports.push_back(std::move(port));
     }
   }
+  template <class Settings>
   static std::string add_motion(const std::string& port, const char* quantity,
-                                const std::string& variable, foreign::FmuSettings& settings) {
+                                const std::string& variable, Settings& settings) {
     settings.outputs.push_back(variable);
     return fmt::format("auxiliary.port.{}.{}", port, quantity);
   }

@@ -34,7 +34,8 @@ enum class ModelKind {
   Data,
   Program,
   OpenSees,
-  Fmu
+  Fmu,
+  Plugin
 };
 
 /// As in a case: "servo_axis".
