@@ -166,7 +166,7 @@ class ForeignReader {
   void read_plugin() {
     take({"file", "config", "start", "step_s", "port"});
     foreign::PluginRunSettings settings;
-    settings.file = table_.resolve(table_.text("file"));
+    settings.file = std::filesystem::absolute(table_.resolve(table_.text("file")));
     if (!std::filesystem::is_regular_file(settings.file))
       table_.fail("file", settings.file.string() + " is not a file");
     const Config config = table_.table_or_empty("config");

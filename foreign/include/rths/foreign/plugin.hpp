@@ -21,7 +21,7 @@ struct PluginPort {
 
 /// A simulation that is an adapter in a shared library or in Python: see rths_adapter.h.
 struct PluginRunSettings {
-  std::filesystem::path file;
+  std::filesystem::path file;                            ///< full path: runs have their own folder
   std::string config;                                    ///< of the plugin, TOML text
   std::vector<std::string> inputs, outputs, parameters;  ///< names of signals
   std::vector<std::pair<std::string, double>> start;     ///< of other inputs and parameters [SI]
@@ -39,6 +39,7 @@ struct PluginSignal {
 };
 
 /// Makes the plugin in a process of its own and asks for its signals.
+/// @param file  full path
 /// @throws Error if it cannot be loaded or made within a deadline [s]   @setup
 [[nodiscard]] std::vector<PluginSignal> plugin_signals(const std::filesystem::path& file,
                                                        const std::string& config, double deadline);
