@@ -300,7 +300,8 @@ const figures = (() => {
     const onScale = (u, key) => {
       if (key !== "x") return;
       const [first, last] = endsOf(u);
-      zoomed(u.scales.x.min > first || u.scales.x.max < last);
+      const least = (last - first) / 1000;  // pictures of a group may end a few samples apart
+      zoomed(u.scales.x.min - first > least || last - u.scales.x.max > least);
       if (over.plots.includes(u)) follow(u, over.plots);
     };
     const showValues = u => {

@@ -19,7 +19,7 @@ const structure = (() => {
 
   const mode = (container, sketch, one) => {
     const [long, lat, vert] = one.mass_percent;
-    const caption = `${one.frequency_Hz.toFixed(2)} Hz: ${long.toFixed(0)} % of the mass in long, ${lat.toFixed(0)} % in lat, ${vert.toFixed(0)} % up`;
+    const caption = `${one.frequency_Hz.toFixed(2)} Hz: ${long.toFixed(0)}\u00a0% of the mass in long, ${lat.toFixed(0)}\u00a0% in lat, ${vert.toFixed(0)}\u00a0% up`;
     const box = figure(container, caption, []);
     const heights = sketch.nodes_m.map(p => p[2]);
     const reach = 0.18 * (Math.max(...heights) - Math.min(...heights) || 1);
@@ -37,19 +37,19 @@ const structure = (() => {
 
   const loads = (container, sketch) => {
     const [least, most] = [Math.min(...sketch.loads_MN), Math.max(...sketch.loads_MN)];
-    const span = most - least < 0.01 ? "" : `${least.toFixed(2)} to `;
-    const caption = `Loads of the bearings at rest: ${span}${most.toFixed(2)} MN`;
+    const areEqual = most - least < 0.01;
+    const caption = `Loads of the bearings at rest: ${areEqual ? "" : `${least.toFixed(2)} to `}${most.toFixed(2)} MN`;
     const box = figure(container, caption, []);
     const points = sketch.bearings_m.map(([x, y]) => [x, -y]);
     responsive(box, 260, `${caption}; number ${sketch.tested + 1} is tested`, (picture, width, height) => {
-      const at = placed(points, width, height - 18, 22);
+      const at = placed(points, width, height - 18, 26);
       const places = points.map(at);
       const gap = Math.min(...places.slice(1).map(([x, y]) => Math.hypot(x - places[0][0], y - places[0][1])), 40);
       const radius = Math.max(2, Math.min(7, 0.42 * gap));
       places.forEach((p, i) => picture.append(dot(p, radius, {
-        fill: theme.css("numerical"), opacity: (0.12 + 0.88 * (sketch.loads_MN[i] - least) / (most - least || 1)).toFixed(2) })));
+        fill: theme.css("numerical"), opacity: areEqual ? 1 : (0.12 + 0.88 * (sketch.loads_MN[i] - least) / (most - least)).toFixed(2) })));
       picture.append(dot(places[sketch.tested], radius + 3, { fill: "none", stroke: theme.css("hybrid"), "stroke-width": 2.2 }),
-        text(width / 2, height - 6, "darker: more load; ring: the tested bearing", { "text-anchor": "middle" }));
+        text(width / 2, height - 6, `${areEqual ? "" : "darker: more load; "}ring: the tested bearing`, { "text-anchor": "middle" }));
       return (x, y) => {
         const i = places.findIndex(p => Math.hypot(p[0] - x, p[1] - y) < radius + 1);
         return i < 0 ? null : [`bearing ${i + 1}`, `${sketch.loads_MN[i].toFixed(3)} MN at rest`];

@@ -52,8 +52,9 @@ Real remembered(const Real* memory) {
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
+// Nothing here shares memory, so that a compiler may take several exponentials at once.
 template <class Real>
-void take_in(const double* constants, Real* memory, const Real& y) {
+void take_in(const double* __restrict constants, Real* __restrict memory, const Real y) {
   const double* decay = constants + 1;
   const double* intake = decay + kFadingExponentials;
   for (std::size_t i = 0; i < kFadingExponentials; ++i)
