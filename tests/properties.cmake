@@ -37,7 +37,7 @@ rths_long(rths_improved_case_test physics "OfAStructure|OfABearing|OfMasses|OfAL
 rths_long(rths_invariance_test physics "UnitOfLength|AFormIsDescribed|HalfTheSamplingRate|OneRecordMore")
 rths_long(rths_rule_test physics "^Rule\\.(OfUnloading|WithSlip)|^TwoAxes\\.HaveDrag")
 rths_long(rths_next_test_test physics "^NextTest\\.Separates|LateActuator.*lag|^Intervals")
-rths_long(rths_real_data_test physics "\\.(Silverbox|MrDamper|FrictionDevice|EmpsHasMoreFriction)")
+rths_long(rths_real_data_test physics "\\.(Silverbox|MrDamper|FrictionDevice|EmpsHasMoreFriction)|^LongCorpus")
 # LeadRubberX with one effect at a time: another row has all of them.
 rths_long(rths_opensees_test physics "/LeadRubberX(Cavitation|BucklingLoad|Horizontal|Vertical|FourEffects|Heating|Against)")
 rths_long(rths_session_test system "^PairOfRuns\\.Has(ItsHidden|NoFalse)")

@@ -216,9 +216,9 @@ const charts = (() => {
       rows: cells.map(c => [...c.displacement_m, ...c.velocity_m_per_s, c.share]) }));
   };
 
-  // A curve with the band of its standard deviation.
-  const bandCurve = (container, caption, x, y, band, xLabel, yLabel) => {
-    const box = figure(container, caption, [{ label: "mean of the residual", color: "after" }]);
+  // A curve with the band of its standard deviation; of a curve without one, `band` is empty.
+  const bandCurve = (container, caption, label, x, y, band, xLabel, yLabel) => {
+    const box = figure(container, caption, [{ label, color: "after" }]);
     const low = y.map((value, i) => value - 2 * (band[i] || 0)), high = y.map((value, i) => value + 2 * (band[i] || 0));
     const [least, largest] = [Math.min(...y.filter(Number.isFinite)), Math.max(...y.filter(Number.isFinite))];
     responsive(box, 320, `${caption}: from ${brief(least)} to ${brief(largest)} ${unitOf(yLabel)}.`, (picture, width, height) => {
@@ -232,10 +232,13 @@ const charts = (() => {
       xAxis(picture, sx, domain.x, height - 42, xLabel);
       return left => {
         const i = nearest(x.map(sx), left);
-        return [`${brief(x[i])} ${unitOf(xLabel)}`, `${brief(y[i])} ± ${brief(2 * (band[i] || 0))} ${unitOf(yLabel)}`];
+        const spread = band.length ? ` ± ${brief(2 * band[i])}` : "";
+        return [`${brief(x[i])} ${unitOf(xLabel)}`, `${brief(y[i])}${spread} ${unitOf(yLabel)}`];
       };
     });
-    save.chart(box, () => ({ head: [xLabel, yLabel, `standard deviation: ${yLabel}`], rows: x.map((value, i) => [value, y[i], band[i]]) }));
+    const columns = [x, y, band].filter(column => column.length);
+    save.chart(box, () => ({ head: [xLabel, yLabel, `standard deviation: ${yLabel}`].slice(0, columns.length),
+      rows: x.map((_, i) => columns.map(column => column[i])) }));
   };
 
   // Autocorrelation over the lags, with the bound for noise.

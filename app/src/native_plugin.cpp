@@ -39,8 +39,7 @@ class NativePlugin final : public rths::PluginBase {
     const std::string node = config.text("node");
     recording_ = config.text("recording", "");
     config.reject_unknown_keys();
-    for (const auto& plan : experiment_.nodes)
-      if (plan.node == node) plan_ = &plan;
+    plan_ = experiment_.node(node);
     if (plan_ == nullptr) config.fail("node", "the experiment has no node '" + node + "'");
     if (plan_->settings.role == experiment::Role::Recorder && recording_.empty())
       config.fail("node", "node '" + node + "' is a recorder, expected the key recording");

@@ -150,12 +150,9 @@ class PageOfRun {
 
 int run(const RunArguments& arguments) {
   std::optional<PageOfRun> page;
-  if (arguments.views) {
-    // Finds mistakes before the page does, and keeps the modes of a large plant for it.
-    static_cast<void>(load_experiment(arguments.settings.experiment, arguments.settings.changes));
-    page.emplace(arguments);
-  }
   ShownProgress progress;
+  // The check finds mistakes before the page does, and keeps the modes of a large plant for it.
+  if (arguments.views) progress.functions().checked = [&] { page.emplace(arguments); };
   const Output output{arguments.json};
   std::optional<session::RunResult> test;
   progress.functions().recorded = [&](const session::RunResult& result) {

@@ -47,6 +47,12 @@ bool Experiment::has_user_program() const {
                      [](const NodePlan& plan) { return plan.settings.program.has_value(); });
 }
 
+const NodePlan* Experiment::node(const std::string& called) const {
+  const auto found = std::find_if(nodes.begin(), nodes.end(),
+                                  [&](const NodePlan& plan) { return plan.node == called; });
+  return found == nodes.end() ? nullptr : &*found;
+}
+
 std::string Experiment::leading_host() const {
   for (const auto& plan : nodes)
     if (plan.settings.role == Role::Recorder) return plan.host;

@@ -139,10 +139,8 @@ int run_node(const Experiment& experiment, const std::string& node, const std::s
              const std::filesystem::path& recording, const std::string& version) {
   leave_signals_to_the_launcher();
   broker::on_lost_memory(broker::OnLostMemory::Continue);
-  const bool records =
-      std::any_of(experiment.nodes.begin(), experiment.nodes.end(), [&](const NodePlan& plan) {
-        return plan.node == node && plan.settings.role == experiment::Role::Recorder;
-      });
+  const NodePlan* plan = experiment.node(node);
+  const bool records = plan != nullptr && plan->settings.role == experiment::Role::Recorder;
   Assembly assembly = assemble(experiment, ClockKind::Wall,
                                {recording, describe_run(experiment, ClockKind::Wall, version),
                                 records ? experiment.texts() : recording::NamedTexts{}});

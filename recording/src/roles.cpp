@@ -129,6 +129,12 @@ std::vector<KeyValue> overrides_of(const Reader& run) {
   return changes;
 }
 
+std::string experiment_path(const Reader& run) {
+  const auto meta = run.meta();
+  const auto path = meta.find("experiment_path");
+  return path == meta.end() ? "" : path->second;
+}
+
 std::optional<Config> recorded_experiment(const Reader& run) {
   const auto meta = run.meta();
   const auto name = meta.find("experiment");

@@ -150,9 +150,13 @@ Json ablation_json(const diagnosis::Ablation& ablation) {
 }
 
 Json description_json(const diagnosis::Description& description) {
-  return {{"form", description.form},       {"share", number(description.share)},
-          {"x_label", description.x_label}, {"x", numbers(description.x)},
-          {"y", numbers(description.y)},    {"band", numbers(description.band)}};
+  return {{"form", description.form},
+          {"share", number(description.share)},
+          {"of_terms", description.is_of_terms},
+          {"x_label", description.x_label},
+          {"x", numbers(description.x)},
+          {"y", numbers(description.y)},
+          {"band", numbers(description.band)}};
 }
 
 Json evidence_json(const diagnosis::CandidateEvidence& evidence) {

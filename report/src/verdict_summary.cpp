@@ -139,7 +139,8 @@ std::string cause_text(const diagnosis::Cause& cause) {
 std::string description_text(const Verdict& verdict) {
   if (verdict.descriptions.empty()) return "";
   const auto& best = verdict.descriptions.front();
-  return fmt::format("form      {}, {:.0f} % of the systematic residual\n", best.form,
+  return fmt::format("form      {}{}, {:.0f} % of the systematic residual\n", best.form,
+                     best.is_of_terms ? ", the law of the terms together" : "",
                      best.share * kPercent);
 }
 

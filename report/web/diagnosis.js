@@ -33,22 +33,25 @@
   // --- form, causes, model -----------------------------------------------------------------------
   const form = () => {
     if (!v.descriptions.length) return hide("form");
+    const law = v.descriptions.find(d => d.of_terms), forms = v.descriptions.filter(d => !d.of_terms);
     if (hasTerms) {
-      byId("form-title").textContent = "Form of the remainder";
-      byId("form-text").textContent = "A systematic residual remains beside the named causes. Its form is its mean over the " +
-        "quantity on which it depends. It is scored on a record that it was not fitted to; held samples and sudden changes " +
-        "are found on each record.";
+      byId("form-title").textContent = law ? "Form of all guessed causes together" : "Form of the remainder";
+      byId("form-text").textContent = law ? `Together the guessed causes draw one curve, ${law.form}, which is shown where the ` +
+        `records visit it: any other law of this form explains them as well.${forms.length ? " The bars are forms of the residual that remains." : ""}` :
+        "A systematic residual remains beside the named causes. Its form is its mean over the quantity on which it depends. It is " +
+        "scored on a record that it was not fitted to; held samples and sudden changes are found on each record.";
     }
-    charts.rows(byId("form-ranks"), v.descriptions.map((d, i) => ({
+    charts.rows(byId("form-ranks"), forms.map((d, i) => ({
       title: d.form, value: Math.max(0, d.share ?? 0), shown: share(d.share), kind: i ? "" : "named" })));
     if (v.next_test)
       byId("form-ranks").append(el("p", { className: "callout" }, el("b", { textContent: "Next test: " }), v.next_test));
-    const best = v.descriptions.find(d => d.x.length > 1);
+    const best = law || forms.find(d => d.x.length > 1);
     if (!best) return;
     const trace = traceOf(v.where.record, v.where.channel);
     const x = axis(best.x_label, largest(best.x)), y = scaled(trace ? trace.unit : "", largest(best.y));
-    charts.bandCurve("form-curve", `${best.form} with its band of two standard deviations`, best.x.map(value => value * x.factor),
-      best.y.map(value => value * y.factor), best.band.map(value => value * y.factor), x.label, `residual [${y.unit || "–"}]`);
+    charts.bandCurve("form-curve", law ? `${law.form} of all guessed causes together` : `${best.form} with its band of two standard deviations`,
+      law ? "sum of the causes" : "mean of the residual", best.x.map(value => value * x.factor), best.y.map(value => value * y.factor),
+      best.band.map(value => value * y.factor), x.label, `${law ? "sum" : "residual"} [${y.unit || "–"}]`);
   };
 
   const kMostRows = 12;

@@ -94,21 +94,20 @@ void add_mismatch_budget(const std::filesystem::path& recording,
 
 void add_mismatch_budget(const std::filesystem::path& recording, diagnosis::Verdict& verdict) {
   const recording::Reader run{recording};
-  const auto meta = run.meta();
-  if (is_companion(recording, meta)) {
+  if (is_companion(recording, run.meta())) {
     verdict.limits.push_back(recording.string() +
                              ": found a companion of a run, expected the run itself for a mismatch "
                              "budget of the response");
     return;
   }
-  const auto path = meta.find("experiment_path");
-  if (path == meta.end()) return;
-  if (const auto trouble = change_since(run, path->second); !trouble.empty()) {
+  const std::string path = recording::experiment_path(run);
+  if (path.empty()) return;
+  if (const auto trouble = change_since(run, path); !trouble.empty()) {
     verdict.limits.push_back(
         fmt::format("There is no mismatch budget of the response: {}.", trouble));
     return;
   }
-  add_mismatch_budget(recording, path->second, recording::overrides_of(run), verdict);
+  add_mismatch_budget(recording, path, recording::overrides_of(run), verdict);
 }
 
 }  // namespace rths::session

@@ -27,10 +27,9 @@ using recording::Reader;
 constexpr double kSamePlant = 1e-4;
 
 experiment::Experiment experiment_of(const Reader& run) {
-  const auto meta = run.meta();
-  const auto file = meta.find("experiment_path");
-  if (file == meta.end()) throw Error{"names no experiment, expected the recording of a run"};
-  return app::load_experiment(file->second, recording::overrides_of(run));
+  const std::string file = recording::experiment_path(run);
+  if (file.empty()) throw Error{"names no experiment, expected the recording of a run"};
+  return app::load_experiment(file, recording::overrides_of(run));
 }
 
 // Coordinate × target: column n−1 belongs to step n.

@@ -262,10 +262,9 @@ class Steps {
   [[nodiscard]] std::string machine_kept_because() const {
     if (recording::Reader{imposed()}.has(experiment_.roles.vertical_measured))
       return "the test controls the vertical force";
-    for (const auto& plan : experiment_.nodes)
-      if (plan.node == experiment_.roles.machine && plan.adapter != "srmd")
-        return fmt::format("the adapter of node '{}' is {}", plan.node, plan.adapter);
-    return "";
+    const auto* machine = experiment_.node(experiment_.roles.machine);
+    if (machine == nullptr || machine->adapter == "srmd") return "";
+    return fmt::format("the adapter of node '{}' is {}", machine->node, machine->adapter);
   }
 
   [[nodiscard]] Experiment with_machine_of_loop() {

@@ -21,17 +21,23 @@ using recording::Reader;
 
 constexpr double kMostSteps = 5;  // of integration, in a gap
 
-double period_of(const Experiment& experiment, const std::string& node) {
-  const auto plan = std::find_if(experiment.nodes.begin(), experiment.nodes.end(),
-                                 [&](const NodePlan& one) { return one.node == node; });
-  constexpr double kUsual = 0.001;  // [s]
-  return plan == experiment.nodes.end() ? kUsual : to_seconds(plan->schedule.period);
+/// Of the steps of a node [s].
+struct Schedule {
+  double period = 0.001, phase = 0;
+  bool makes_due = false;  ///< missed steps, with the inputs of their own time
+};
+
+Schedule schedule_of(const Experiment& experiment, const std::string& node) {
+  const NodePlan* plan = experiment.node(node);
+  if (plan == nullptr) return {};
+  return {to_seconds(plan->schedule.period), to_seconds(plan->schedule.phase),
+          plan->schedule.missed == MissedSteps::MakeDue};
 }
 
 void check_node(const Experiment& experiment, const Reader& run, const std::string& node,
                 const std::string& name) {
   const double step = experiment.time.rate * experiment.time.integration_step;
-  const double period = period_of(experiment, node);
+  const double period = schedule_of(experiment, node).period;
   const NodeTicks ticks{run, node};
   const auto longest = static_cast<std::size_t>(std::lround(kMostSteps * step / period));
   const auto& counter = ticks.counter();
@@ -52,23 +58,6 @@ void check_node(const Experiment& experiment, const Reader& run, const std::stri
     last = count;
     last_row = row;
   }
-}
-
-using recording::NodeTicks;
-using recording::Reader;
-
-/// Of the steps of a node [s].
-struct Schedule {
-  double period = 0.001, phase = 0;
-  bool makes_due = false;  ///< missed steps, with the inputs of their own time
-};
-
-Schedule schedule_of(const Experiment& experiment, const std::string& node) {
-  for (const auto& plan : experiment.nodes)
-    if (plan.node == node)
-      return {to_seconds(plan.schedule.period), to_seconds(plan.schedule.phase),
-              plan.schedule.missed == MissedSteps::MakeDue};
-  return {};
 }
 
 // Times of the scheduled steps of a node; empty if the recording lacks them.

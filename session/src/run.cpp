@@ -213,6 +213,7 @@ class Task {
 
   RunResult all() {
     check();
+    if (progress_.checked) progress_.checked();
     RunFolder folder = folder_for(settings_, experiment_.name);
     // In wall time, the launcher itself brings the nodes to rest.
     std::optional<Interruptible> interruptible;

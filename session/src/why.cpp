@@ -56,13 +56,12 @@ struct KnownModel {
 // The terms of a simulated laboratory, without what its own simulation omits.
 KnownModel model_of(const std::filesystem::path& file) {
   const recording::Reader run{file};
-  const auto meta = run.meta();
-  if (const auto found = meta.find("experiment_path"); report::is_of_models(run).value_or(false) &&
-                                                       found != meta.end() &&
-                                                       change_since(run, found->second).empty()) {
+  if (const std::string path = recording::experiment_path(run);
+      report::is_of_models(run).value_or(false) && !path.empty() &&
+      change_since(run, path).empty()) {
     auto changes = recording::overrides_of(run);
     changes.emplace_back("model", "{fitted = []}");
-    const auto experiment = app::load_experiment(found->second, changes);
+    const auto experiment = app::load_experiment(path, changes);
     return {Config::parse(experiment.model.text, recording::kModelText),
             "the laboratory of " + file.string()};
   }

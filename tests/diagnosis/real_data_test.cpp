@@ -295,7 +295,7 @@ TEST_F(RealData, FrictionDeviceWithoutFrictionInTheCatalogueIsUnknownWithoutAFor
   EXPECT_LT(verdict.descriptions[0].share, 0.5);
 }
 
-// Cases of strangers that end within seconds.
+// Cases of strangers.
 class Stranger : public testing::TestWithParam<const char*> {};
 
 TEST_P(Stranger, GetsAVerdictThatIsReadInAMinute) {
@@ -313,6 +313,9 @@ TEST_P(Stranger, GetsAVerdictThatIsReadInAMinute) {
 INSTANTIATE_TEST_SUITE_P(Corpus, Stranger,
                          testing::Values("plate_damper", "rocking_wall", "synthetic_coarse_rows",
                                          "synthetic_coarser_rows"));
+INSTANTIATE_TEST_SUITE_P(LongCorpus, Stranger,
+                         testing::Values("coupon_plastic", "seal_halves", "stone_wall",
+                                         "student_damper/friction_fitted"));
 
 }  // namespace
 }  // namespace rths::diagnosis

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <rths/identification/constants.hpp>
 #include <rths/identification/forms.hpp>
 #include <rths/identification/relation_findings.hpp>
 
@@ -17,6 +18,8 @@ using Eigen::VectorXd;
 
 constexpr Index kLawRows = 2000;
 constexpr double kLawStep = 0.01;
+constexpr double kNear = 0.05;               // [N] between straight lines and the law
+constexpr double kFromRidge = 1 - kVisited;  // [-] of a value, at most
 
 /// Two records of a motion, and a model of two terms "one" and "other".
 struct TwoTerms {
@@ -24,11 +27,13 @@ struct TwoTerms {
   std::vector<Record> records;
 
   // @param one, other  forces of the terms: functions of displacement and velocity
+  // @param shape       of the motion over the sum of two sines
   template <class One, class Other>
-  TwoTerms(const One& one, const Other& other) {
+  TwoTerms(
+      const One& one, const Other& other, double (*shape)(double) = [](double u) { return u; }) {
     relation.stated = linear_model({"one", "other"}, {2, -3});
     for (const int i : {0, 1}) {
-      const VectorXd u = sine_of(20 + i, kLawRows) + sine_of(33 + i, kLawRows);
+      const VectorXd u = (sine_of(20 + i, kLawRows) + sine_of(33 + i, kLawRows)).unaryExpr(shape);
       VectorXd v = VectorXd::Zero(kLawRows);
       for (Index row = 1; row + 1 < kLawRows; ++row)
         v[row] = (u[row + 1] - u[row - 1]) / (2 * kLawStep);
@@ -60,8 +65,10 @@ TEST(CommonLaw, OfTwoFunctionsOfTheDisplacementIsTheirSum) {
   EXPECT_EQ(law->form, "f(u)");
   EXPECT_GT(law->share, 0.99);
   ASSERT_EQ(law->x.size(), law->y.size());
-  for (std::size_t i = 10; i + 10 < law->x.size(); ++i)  // within the motion
-    EXPECT_NEAR(law->y[i], 2 * cubic(law->x[i], 0) - 3 * bent(law->x[i], 0), 0.05) << law->x[i];
+  for (std::size_t i = 0; i < law->x.size(); ++i) {
+    const double sum = 2 * cubic(law->x[i], 0) - 3 * bent(law->x[i], 0);
+    EXPECT_NEAR(law->y[i], sum, kNear + kFromRidge * std::abs(sum)) << law->x[i];
+  }
 }
 
 TEST(CommonLaw, OfTwoFunctionsOfTheVelocityIsOne) {
@@ -74,6 +81,25 @@ TEST(CommonLaw, OfTwoFunctionsOfTheVelocityIsOne) {
   ASSERT_TRUE(law);
   EXPECT_EQ(law->form, "f(v)");
   EXPECT_EQ(law->x_label, "velocity [m/s]");
+}
+
+TEST(CommonLaw, EndsWhereNoRecordMoves) {
+  const auto spring = [](double u, double) { return 4 * u; };
+  const auto cubic = [](double u, double) { return u * u * u; };
+  // From 0 to 1 and beyond 1.5.
+  const auto gap = [](double u) { return std::abs(u) + (std::abs(u) > 1 ? 0.5 : 0); };
+
+  const auto law = TwoTerms{spring, cubic, gap}.law();
+
+  ASSERT_TRUE(law);
+  EXPECT_TRUE(law->is_of_terms);
+  ASSERT_GT(law->x.size(), 20U);
+  for (std::size_t i = 0; i < law->x.size(); ++i) {
+    const double u = law->x[i], knot = 0.07;  // [m] between two knots: a little less
+    const double force = 8 * u - 3 * u * u * u;
+    EXPECT_TRUE((u > -knot && u < 1 + knot) || u > 1.5 - knot) << u;
+    EXPECT_NEAR(law->y[i], force, kNear + kFromRidge * std::abs(force)) << u;
+  }
 }
 
 TEST(CommonLaw, IsNoneOfSpringAndFriction) {

@@ -140,12 +140,16 @@ TEST(Headline, TellsTheLawOfWhichGuessesAreParts) {
   verdict.conclusion.outcome = diagnosis::Outcome::Unknown;
   verdict.relations.emplace_back();
   verdict.relations[0].common_law = "f(v)";
+  verdict.relations[0].has_remainder = true;
+  verdict.descriptions = {{"f(v)", 0.97, "velocity [m/s]", {}, {}, {}}};
+  verdict.descriptions[0].is_of_terms = true;
 
   const Answers answers = answers_of(verdict);
 
   EXPECT_EQ(answers.headline.rfind("Missing: an unknown law of the velocity, perhaps ", 0), 0U)
       << answers.headline;
   EXPECT_NE(answers.missing.find("draw an unknown law of the velocity."), std::string::npos);
+  EXPECT_EQ(answers.missing.find("It depends on"), std::string::npos) << answers.missing;
   EXPECT_EQ(unreadable(verdict), "");
 }
 

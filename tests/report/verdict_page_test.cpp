@@ -141,6 +141,19 @@ TEST_F(RenderedVerdict, ShowsTheFormOfTheRemainderBesideACause) {
   EXPECT_TRUE(holds(page, ">Form of the remainder<"));
 }
 
+TEST_F(RenderedVerdict, CallsALawByAllTheGuessesThatDrawIt) {
+  diagnosis::Verdict verdict = missing_verdict();
+  verdict.descriptions = unknown_verdict().descriptions;
+  verdict.descriptions[0].is_of_terms = true;
+  verdict.descriptions[0].band.clear();
+
+  const std::string page = rendered(verdict);
+
+  EXPECT_TRUE(holds(page, ">Form of all guessed causes together<"));
+  EXPECT_TRUE(holds(page, "f(u) of all guessed causes together"));
+  EXPECT_FALSE(holds(page, "with its band"));
+}
+
 TEST_F(RenderedVerdict, ShowsTheIntervalsOfTheImprovedResponse) {
   diagnosis::Verdict verdict = missing_verdict();
   EXPECT_TRUE(is_hidden(rendered(verdict), "bands"));

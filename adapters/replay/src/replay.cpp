@@ -116,11 +116,9 @@ NodeSettings read_replay(const std::string& node, const Config& table,
                                      faults.back().node, recorded));
   }
   settings.make = [=](const Experiment& test, const NodeContext&) {
-    const auto plan = std::find_if(test.nodes.begin(), test.nodes.end(),
-                                   [&](const auto& other) { return other.node == node; });
     ReplaySettings replay{
         run->time(), recording::of_file(file, [&] { return recording::words_of(*run, recorded); }),
-        plan->schedule};
+        test.node(node)->schedule};
     for (const auto& fault : faults) recording::apply(fault, replay.time, replay.words);
     std::erase_if(replay.words,
                   [&](const auto& word) { return !is_replayed(word.entry, recorded); });

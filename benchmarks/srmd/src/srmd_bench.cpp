@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <chrono>
 #include <cmath>
-#include <future>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -17,6 +15,7 @@
 #include <rths/bench/statistics.hpp>
 #include <rths/core/error.hpp>
 #include <rths/core/sha256.hpp>
+#include <rths/core/side_by_side.hpp>
 #include <rths/maths/delay.hpp>
 #include <rths/sim/floor_spectrum.hpp>
 #include <rths/sim/machine/platen_run.hpp>
@@ -237,27 +236,10 @@ void run_row(const Bench& bench, int member, const Record& record, FinishedTests
   }
 }
 
-/// Calls `run` with 0 … count − 1 on `jobs` threads. An exception ends them and is thrown here.
-void share(int count, int jobs, const std::function<void(int)>& run) {
-  std::atomic<int> next{0};
-  const auto work = [&] {
-    try {
-      for (int i = next++; i < count; i = next++) run(i);
-    } catch (...) {
-      next = count;
-      throw;
-    }
-  };
-  std::vector<std::future<void>> workers;
-  for (int i = 1; i < jobs; ++i) workers.push_back(std::async(std::launch::async, work));
-  work();
-  for (auto& worker : workers) worker.get();
-}
-
 void run_rows(const Bench& bench, FinishedTests& finished) {
   const SrmdOptions& options = bench.options;
-  const int rows = (options.draws + 1) * options.records;
-  const std::size_t tests = static_cast<std::size_t>(rows) * bench.controllers.size();
+  const auto rows = static_cast<std::size_t>((options.draws + 1) * options.records);
+  const std::size_t tests = rows * bench.controllers.size();
   std::mutex reporting;
   const auto progress = [&] {
     if (!options.progress) return;
@@ -265,9 +247,12 @@ void run_rows(const Bench& bench, FinishedTests& finished) {
     options.progress(fmt::format("{} of {} tests", finished.size(), tests));
   };
   progress();
-  share(rows, options.jobs, [&](int row) {
-    run_row(bench, row / options.records, kRecords[row % options.records], finished, progress);
-  });
+  const auto run = [&](std::size_t row) {
+    const int number = static_cast<int>(row);
+    run_row(bench, number / options.records, kRecords[number % options.records], finished,
+            progress);
+  };
+  side_by_side(rows, run, static_cast<std::size_t>(options.jobs));
 }
 
 }  // namespace

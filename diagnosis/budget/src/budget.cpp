@@ -11,8 +11,7 @@
 #include <rths/budget/transfer_system.hpp>
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
-
-#include "side_by_side.hpp"
+#include <rths/core/side_by_side.hpp>
 
 namespace rths::budget {
 namespace {

@@ -6,10 +6,9 @@
 
 #include <rths/core/axis.hpp>
 #include <rths/core/error.hpp>
+#include <rths/core/side_by_side.hpp>
 #include <rths/maths/statistics.hpp>
 #include <rths/sim/floor_spectrum.hpp>
-
-#include "side_by_side.hpp"
 
 namespace rths::budget {
 namespace {

@@ -140,14 +140,13 @@ Model model_of(const Reader& run) {
 // The experiment of a run with the changes of its command line, if its file still exists: only then
 // relative paths in it have a meaning.
 void take_experiment(const Reader& run, const Config& experiment, CaseSource& source) {
-  const auto meta = run.meta();
-  const auto path = meta.find("experiment_path");
-  if (path == meta.end() || !std::filesystem::exists(path->second)) return;
-  const auto folder = std::filesystem::absolute(path->second).parent_path();
+  const std::string path = recording::experiment_path(run);
+  if (!std::filesystem::exists(path)) return;
+  const auto folder = std::filesystem::absolute(path).parent_path();
   source.experiment = experiment.in_folder(folder).in_its_folder();
   source.experiment_folder = source.experiment.resolve("");
   source.inputs = source.experiment.named_files();
-  source.inputs.emplace_back(path->second);
+  source.inputs.emplace_back(path);
 }
 
 }  // namespace

@@ -289,18 +289,22 @@ class FineCurve {
       right += basis.transpose() * force;
       all += force.squaredNorm();
     }
-    normal.diagonal().array() += kRidge * normal.diagonal().mean();
-    weights_ = maths::SymmetricFactors{normal}.solve(right);
+    const double ridge = kRidge * normal.diagonal().mean();
+    normal.diagonal().array() += ridge;
+    const maths::SymmetricFactors factors{normal};
+    weights_ = factors.solve(right);
+    resolution_ = 1 - ridge * factors.inverse().diagonal().array();
     return weights_.dot(2 * right - normal * weights_) / all;
   }
 
+  // Without the knots that no record visits, where the ridge alone gives the value.
   [[nodiscard]] Description description(double share) const {
-    Description law{"f(" + abscissa_ + ")", share, "", {}, {}, {}};
-    law.x_label = label_of(abscissa_);
+    Description law{"f(" + abscissa_ + ")", share, label_of(abscissa_), {}, {}, {}};
+    law.is_of_terms = true;
     for (Index i = 0; i < hats_.count; ++i) {
+      if (resolution_[i] < kVisited) continue;
       law.x.push_back(state_at(position_of(i, hats_.count), abscissa_, reach_));
       law.y.push_back(weights_[i]);
-      law.band.push_back(0);
     }
     return law;
   }
@@ -315,7 +319,7 @@ class FineCurve {
   std::string abscissa_;
   Hats hats_;
   double reach_ = 1e-300;
-  VectorXd weights_;
+  VectorXd weights_, resolution_;
 };
 
 // Ridge regression on one fold, scored on the other.

@@ -21,11 +21,12 @@ namespace rths::diagnosis {
 namespace {
 
 // A candidate that no other one depends on.
+// @param rest  the fitted model without it
 Withdrawn withdraw(Problem& problem, const Folds& folds, Selection& selection, std::size_t index,
-                   const std::string& reason) {
+                   Hypothesis rest, const std::string& reason) {
   auto& rounds = selection.rounds;
   Withdrawn one{rounds[index].chosen.candidate, reason};
-  selection.named = without(problem, folds, selection, index);
+  selection.named = std::move(rest);
   rounds.erase(rounds.begin() + static_cast<std::ptrdiff_t>(index));
   finish(problem, folds, selection);
   return one;
@@ -73,7 +74,8 @@ class Pruning {
   std::vector<Withdrawn> run() {
     std::vector<Withdrawn> withdrawn;
     while (auto one = weakest())
-      withdrawn.push_back(withdraw(problem_, folds_, selection_, one->first, one->second));
+      withdrawn.push_back(withdraw(problem_, folds_, selection_, one->first,
+                                   without(problem_, folds_, selection_, one->first), one->second));
     return withdrawn;
   }
 
@@ -291,7 +293,8 @@ std::vector<Withdrawn> withdraw_all(Problem& problem, const Folds& folds, const 
                                     Selection& selection) {
   std::vector<Withdrawn> withdrawn;
   while (const auto last = last_to_withdraw(selection))
-    withdrawn.push_back(withdraw(problem, folds, selection, *last, reason));
+    withdrawn.push_back(withdraw(problem, folds, selection, *last,
+                                 without(problem, folds, selection, *last), reason));
   return withdrawn;
 }
 
@@ -304,12 +307,14 @@ std::optional<Withdrawn> withdraw_for_form(Problem& problem, const Folds& folds,
   const double of_form = forms[0].share * rest;
   for (std::size_t i = selection.rounds.size(); i-- > 0;) {
     if (is_needed(selection, i)) continue;
-    const TestedHypothesis bare{problem, without(problem, folds, selection, i)};
+    Hypothesis without_it = without(problem, folds, selection, i);
+    const TestedHypothesis bare{problem, without_it};
     const double bare_rest = excess_on(bare, folds.second), explained = bare_rest - rest;
     if (explained > of_form) continue;
     const double of_form_alone = share_of(forms[0].form, describe(bare, folds)) * bare_rest;
     if (of_form_alone - of_form > kTakenOver * explained)
-      return withdraw(problem, folds, selection, i, "the residual's form explains it too");
+      return withdraw(problem, folds, selection, i, std::move(without_it),
+                      "the residual's form explains it too");
   }
   return std::nullopt;
 }
@@ -320,10 +325,11 @@ std::optional<Withdrawn> withdraw_for_law(Problem& problem, const Folds& folds,
   if (rest < kPlain * observations(problem, folds.both)) return std::nullopt;
   for (std::size_t i = selection.rounds.size(); i-- > 0;) {
     if (is_needed(selection, i) || !has_shape(selection.rounds[i].chosen.candidate)) continue;
-    const Hypothesis bare = without(problem, folds, selection, i);
+    Hypothesis bare = without(problem, folds, selection, i);
     const double left = least_left({problem, bare}, folds.both);
     if (left < kLawLeaves * rest)
-      return withdraw(problem, folds, selection, i, "a drawn law in its place leaves far less");
+      return withdraw(problem, folds, selection, i, std::move(bare),
+                      "a drawn law in its place leaves far less");
   }
   return std::nullopt;
 }

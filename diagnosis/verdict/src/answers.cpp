@@ -259,8 +259,9 @@ std::string none_headline(const Verdict& verdict) {
 
 // "velocity": the variable that the residual depends on; empty: none is known.
 std::string variable_of(const Verdict& verdict) {
-  if (verdict.descriptions.empty()) return "";
-  const std::string& label = verdict.descriptions[0].x_label;
+  const Description* form = form_of_rest(verdict);
+  if (form == nullptr) return "";
+  const std::string& label = form->x_label;
   return with_spoken_roles(label.substr(0, label.find(" [")));
 }
 
@@ -320,12 +321,12 @@ std::string remainder_told(const Verdict& verdict) {
                          ? fmt::format("The error of the {} is systematic, and shows in the {}.",
                                        channel_of(verdict), place_of(found.where.part, verdict))
                          : "A systematic residual remains.";
-  if (verdict.descriptions.empty()) return text;
-  const auto& best = verdict.descriptions[0];
+  const Description* best = form_of_rest(verdict);
+  if (best == nullptr) return text;
   const std::string variable = variable_of(verdict);
   return text + fmt::format(" {}: {} explains {} of it.",
                             variable.empty() ? "Its best form" : "It depends on " + variable,
-                            with_spoken_roles(best.form), percent_of(std::min(1.0, best.share)));
+                            with_spoken_roles(best->form), percent_of(std::min(1.0, best->share)));
 }
 
 // "Most of it lies from 3.1 to 5.2 s.": only of few intervals, which a reader can keep in mind.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <tuple>
 
@@ -307,6 +308,13 @@ std::vector<Description> descriptions_of(const AllFindings& all, const RelationF
   for (const auto& found : all)
     if (found.get() != &shown && has_result(*found)) add_descriptions(*found, descriptions);
   return descriptions;
+}
+
+const Description* form_of_rest(const Verdict& verdict) {
+  const auto& all = verdict.descriptions;
+  const auto best =
+      std::find_if_not(all.begin(), all.end(), std::mem_fn(&Description::is_of_terms));
+  return best == all.end() ? nullptr : &*best;
 }
 
 MatrixXd covariance_of(const RelationFindings& found) {

@@ -20,6 +20,9 @@ using AllFindings = std::vector<std::unique_ptr<RelationFindings>>;
 [[nodiscard]] std::vector<Description> descriptions_of(const AllFindings& all,
                                                        const RelationFindings& shown);
 
+/// The best form of what no term explains; null: none.
+[[nodiscard]] const Description* form_of_rest(const Verdict& verdict);
+
 /// Covariance of the free parameters of the named model.
 [[nodiscard]] MatrixXd covariance_of(const RelationFindings& found);
 

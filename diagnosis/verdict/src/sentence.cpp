@@ -168,7 +168,11 @@ std::string missing_sentence(const Verdict& verdict) {
                      ties_of(verdict));
 }
 
-std::string form_text(const Description& best) {
+// Empty without a form.
+std::string form_text(const Verdict& verdict) {
+  const Description* form = form_of_rest(verdict);
+  if (form == nullptr) return "";
+  const Description& best = *form;
   const char* where = best.over == Description::Over::Records ? ""
                       : best.is_of_pieces ? " on pieces of the records that it was not fitted to"
                                           : " on a record that it was not fitted to";
@@ -189,13 +193,12 @@ std::string unknown_sentence(const Verdict& verdict) {
       verdict.conclusion.causes.empty()
           ? ""
           : fmt::format("besides {} ({}), ", list_of(verdict.conclusion.causes), proof_of(verdict));
-  const std::string form = verdict.descriptions.empty() ? "none of the tried forms describes it"
-                                                        : form_text(verdict.descriptions[0]);
+  const std::string form = form_text(verdict);
   return fmt::format(
       "Unknown: {}the residual of {} ({}) is systematic, and none of the terms that were searched "
       "explains it; {}{}.",
-      besides, verdict.conclusion.where.channel, name_of(verdict.conclusion.where.part), form,
-      others_of(verdict));
+      besides, verdict.conclusion.where.channel, name_of(verdict.conclusion.where.part),
+      form.empty() ? "none of the tried forms describes it" : form, others_of(verdict));
 }
 
 // " The noise was not measured at rest: …": without, a residual of wrongly estimated noise looks
@@ -251,16 +254,16 @@ std::string sentence_of(const Verdict& verdict) {
 std::string transfer_sentence(const Verdict& verdict, const std::string& finding) {
   const std::vector<Cause> others{verdict.conclusion.causes.begin() + 1,
                                   verdict.conclusion.causes.end()};
-  const std::string form =
-      verdict.descriptions.empty() ? "" : "; " + form_text(verdict.descriptions[0]);
+  const std::string form = form_text(verdict);
   std::string rest;
   for (const auto& output : verdict.conclusion.unexplained)
     rest += fmt::format(
         "; the residual of {} is systematic, and none of the terms that were searched explains it",
         output);
-  return fmt::format("Missing: {} ({}){}{}: {}{}{}.{}{}", verdict.conclusion.causes[0].title,
+  if (!form.empty()) rest += "; " + form;
+  return fmt::format("Missing: {} ({}){}{}: {}{}.{}{}", verdict.conclusion.causes[0].title,
                      name_of(verdict.conclusion.causes[0].part), others.empty() ? "" : " and ",
-                     list_of(others), finding, rest, form, ties_of(verdict), doubt_of(verdict));
+                     list_of(others), finding, rest, ties_of(verdict), doubt_of(verdict));
 }
 
 }  // namespace rths::diagnosis

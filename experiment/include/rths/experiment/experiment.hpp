@@ -50,6 +50,8 @@ struct Experiment {
   std::vector<std::string> remarks;  ///< about keys without an effect on this run
   recording::NamedTexts config;      ///< input files, without those of its nodes
 
+  /// The node of a name; null: there is none.
+  [[nodiscard]] const NodePlan* node(const std::string& called) const;
   /// True if a solver of this project ends the run.
   [[nodiscard]] bool has_own_solver() const;
   /// The ground motion along the tested axes.

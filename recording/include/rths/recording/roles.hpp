@@ -58,6 +58,9 @@ void check_roles(const Config& roles, const memmap::Map& map);
 /// The changes of the run's command line, key and value, in their order.   @setup
 [[nodiscard]] std::vector<KeyValue> overrides_of(const Reader& run);
 
+/// The path of the run's experiment file; empty: the recording names none.   @setup
+[[nodiscard]] std::string experiment_path(const Reader& run);
+
 /// The recorded experiment with the changes of its command line; empty if the recording holds none.
 /// @setup
 [[nodiscard]] std::optional<Config> recorded_experiment(const Reader& run);

@@ -170,6 +170,8 @@ inline constexpr double kPlaceShare = 0.8;  ///< [-] of the excess, in the small
 inline constexpr double kLeastExcess = 0.05;  ///< [-] over the noise: less may be its error
 /// [-] ridge on the values of a form, over the mean square of its columns: free of units
 inline constexpr double kRidge = 1e-3;
+/// [-] of the value at a knot that comes from records, not from the ridge: the knot is visited
+inline constexpr double kVisited = 0.95;
 inline constexpr double kLeastShareOfForm = 0.12;  ///< [-] of the residual: any data have less
 inline constexpr double kPriceOfSurface = 0.1;     ///< [-] it contains every curve of its arguments
 inline constexpr double kSteadyShare = 0.05;  ///< [-] of its size: a state that varies less is held

@@ -15,7 +15,9 @@ struct Description {
   std::string form;     ///< "f(u)", "sgn(v) g(u)", "external periodic force"
   double share = 0;     ///< of the energy beyond the noise, explained on the other fold [-]
   std::string x_label;  ///< variable of the curve, with its unit
-  std::vector<double> x, y, band;  ///< curve [unit of the output] and its standard deviation
+  /// Curve [unit of the output] over the variable, and its standard deviation; none of a law of
+  /// terms
+  std::vector<double> x, y, band;
   enum class Over {
     State,   ///< fitted to one fold, and explains the other
     Time,    ///< the same, but noise has tones and rounding errors drift, too
@@ -23,6 +25,7 @@ struct Description {
   };
   Over over = Over::State;
   bool is_of_pieces = false;  ///< the folds are pieces of the same records
+  bool is_of_terms = false;   ///< the law of all named terms together, not of what they leave
   /// Output with this residual, without axis; in verdicts. Lists of initial values omit it.
   std::string channel = {};  // NOLINT(readability-redundant-member-init)
   /// What a curve leaves of this energy; infinite: not known, or no curve.
@@ -41,8 +44,8 @@ struct Description {
 [[nodiscard]] double least_left(const TestedHypothesis& tested, const Fold& fold);
 
 /// The curve over displacement or velocity that the terms of one hypothesis, which the other lacks,
-/// draw together on one axis: another law of this form fits the records as well. None if their
-/// force depends on more.
+/// draw together on one axis, at the knots that the records visit: another law of this form fits
+/// the records as well. None if their force depends on more.
 [[nodiscard]] std::optional<Description> common_law(const TestedHypothesis& with,
                                                     const TestedHypothesis& without);
 
