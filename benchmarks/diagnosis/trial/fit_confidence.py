@@ -25,9 +25,6 @@ RIDGE = 0.02  # on squares of the distances of the coefficients from those that 
 WITHOUT_DATA = {"not_held_out": 1.0, "noise_unknown": 1.0}
 SWEEPS = 300  # over the coefficients
 MOST = 0.99  # a name is never sure
-# Names of an earlier trial, of 400 cases of seed 1068963512, whose verdicts lack the other features: features, right, of.
-EARLIER = (({}, 124, 127), ({"beside": math.log(2)}, 81, 84), ({"beside": math.log(3)}, 2, 3), ({"remainder": 1.0}, 7, 9),
-           ({"remainder": 1.0, "beside": math.log(2)}, 2, 2))
 
 
 def named_in(out):
@@ -66,18 +63,16 @@ def logistic(scores):
 def fitted(names):
     """Intercept, and coefficients ≥ 0 of the features, which lower the confidence: logistic regression with a ridge."""
     x = np.array([[one["features"][key] for key in FEATURES] for one in names])
-    x = np.vstack([x, [[earlier.get(key, 0.0) for key in FEATURES] for earlier, _, _ in EARLIER]])
-    y = np.array([float(one["right"]) for one in names] + [right / of for _, right, of in EARLIER])
-    weight = np.array([1.0] * len(names) + [float(of) for _, _, of in EARLIER])
+    y = np.array([float(one["right"]) for one in names])
     expected = np.array([WITHOUT_DATA.get(key, 0.0) for key in FEATURES])
     intercept, slopes = 2.0, expected.copy()
     for _ in range(SWEEPS):  # Newton's method along one coordinate after the other; the problem is convex
         share = logistic(intercept - x @ slopes)
-        intercept -= (weight @ (share - y)) / (weight @ (share * (1 - share)))
+        intercept -= np.sum(share - y) / np.sum(share * (1 - share))
         for k, column in enumerate(x.T):
             share = logistic(intercept - x @ slopes)
-            slope = -weight @ ((share - y) * column) + 2 * RIDGE * (slopes[k] - expected[k])
-            bend = weight @ (share * (1 - share) * column**2) + 2 * RIDGE
+            slope = -column @ (share - y) + 2 * RIDGE * (slopes[k] - expected[k])
+            bend = column**2 @ (share * (1 - share)) + 2 * RIDGE
             slopes[k] = max(0.0, slopes[k] - slope / bend)
     return float(intercept), slopes
 
@@ -115,7 +110,6 @@ def main():
     now = [one | {"confidence": float(value)} for one, value in zip(names, stated(names, intercept, slopes))]
     result = {"commit": commit(), "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="seconds"), "machine": machine(),
               "cases": len({one["case"] for one in names}), "names": len(names), "right": sum(one["right"] for one in names),
-              "earlier": [{"features": features, "right": right, "of": of} for features, right, of in EARLIER],
               "intercept": intercept, "coefficients": dict(zip(FEATURES, map(float, slopes))), "most": MOST,
               "reliability": reliability(now), "reliability_cross_checked": reliability(cross_checked(names)),
               "reliability_before": reliability([one for one in names if not math.isnan(one["confidence"])]),

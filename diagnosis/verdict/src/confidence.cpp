@@ -14,16 +14,16 @@ constexpr double kLeastGain = 1e-3;  // [nat]
 // Coefficients of benchmarks/results/confidence.json [-]; a test compares them. Each lowers the
 // logarithm of the odds that a name is right.
 constexpr double kMost = 0.99;
-constexpr double kIntercept = 3.514;
-constexpr double kRivals = 0.412;
-constexpr double kRarelyBest = 2.342;
-constexpr double kLeft = 3.313;
-constexpr double kRemainder = 1.178;
-constexpr double kOneChannel = 1.891;
-constexpr double kBeside = 1.166;
-constexpr double kParts = 2.818;
+constexpr double kIntercept = 4.498;
+constexpr double kRivals = 1.072;
+constexpr double kRarelyBest = 1.15;
+constexpr double kLeft = 4.365;
+constexpr double kRemainder = 1.26;
+constexpr double kOneChannel = 2.797;
+constexpr double kBeside = 1.89;
+constexpr double kParts = 3.098;
 constexpr double kNotHeldOut = 1;
-constexpr double kNoiseUnknown = 0.502;
+constexpr double kNoiseUnknown = 0.717;
 
 }  // namespace
 
