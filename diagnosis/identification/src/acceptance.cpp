@@ -16,8 +16,8 @@ bool is_beneficial(const std::vector<double>& differences, const Threshold& leas
   // An effect at one instant is absent from many resampled records. It is accepted if its gain is
   // large and it costs next to nothing elsewhere, or a little that scatter explains.
   const double low = maths::quantile(resampled_sums(differences, seed), 0.01);
-  return low > 0 ||
-         (gain > least.event && low > -std::max(0.01 * gain, std::min(0.03 * gain, least.gain)));
+  const double cost = std::max(kCostOfAnEvent * gain, std::min(kScatteredCost * gain, least.gain));
+  return low > 0 || (gain > least.event && low > -cost);
 }
 
 bool is_acceptable(const ScoredCandidate& scored, const Threshold& accepted, std::uint64_t seed) {
