@@ -217,7 +217,7 @@ class Pruning {
   }
 
   // Whether it leaves only noise of what the others leave, on fitted and on held-out records. An
-  // error of their form would leave more.
+  // error of their form would leave more, or is smaller.
   [[nodiscard]] bool leaves_noise(const Hypothesis& rest) const {
     const auto leaves = [&](const Problem& problem) {
       std::vector<std::size_t> records(problem.records());
@@ -228,7 +228,7 @@ class Pruning {
       return with < 1 + kLeastExcess &&
              0.5 * observations(problem, all) * gain > kLeastAcceptedGain;
     };
-    return leaves(problem_) && leaves(*held_out_);
+    return fit_share(rest) > kFormShare && leaves(problem_) && leaves(*held_out_);
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
