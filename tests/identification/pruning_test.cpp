@@ -172,21 +172,6 @@ TEST_F(Pruning, KeepsACandidateThatExplainsMostOfTheRest) {
   EXPECT_EQ(reasons({2, 100, 0}, {{2, 100, 0}}), Reasons{});
 }
 
-// x is 6·10⁻⁴ or 2.5·10⁻⁵ of the energy of the error. What it leaves is noise, or noise and a
-// little more.
-TEST_F(Pruning, KeepsASmallCandidateThatLeavesOnlyNoise) {
-  const Reasons small{"x: it explains less than 0.1 % of the unseen records' error"};
-  for (const auto& [large, rest, reason] :
-       {std::tuple{20.0, 0.0, Reasons{}}, {100.0, 0.0, small}, {20.0, 0.5, small}}) {
-    selection = {};
-    records.clear(), held_records.clear();
-    add(friction("y"));
-    add(friction("x"));
-
-    EXPECT_EQ(reasons({0.5, large, rest}, {{0.5, large, rest}}), reason) << large << ", " << rest;
-  }
-}
-
 // y leaves 13 times the noise, of which x explains a third: it may be an error of the form of y.
 TEST_F(Pruning, WithdrawsACandidateThatExplainsSomeOfTheRest) {
   add(friction("y"));

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -210,25 +209,9 @@ class Pruning {
     const double least = candidate.corrects_form ? kLeastShareOfCorrection : kLeastShare;
     const bool is_small =
         !explains_rest && gain < least * sum(held.base) && fit_share(rest) < kFitShare;
-    return is_small && (candidate.corrects_form || !leaves_noise(rest))
-               ? fmt::format("it explains less than {:g} % of the unseen records' error",
-                             100 * least)
-               : "";
-  }
-
-  // Whether it leaves only noise of what the others leave, on fitted and on held-out records. An
-  // error of their form would leave more, or is smaller.
-  [[nodiscard]] bool leaves_noise(const Hypothesis& rest) const {
-    const auto leaves = [&](const Problem& problem) {
-      std::vector<std::size_t> records(problem.records());
-      std::iota(records.begin(), records.end(), std::size_t{0});
-      const Fold all = compared(problem, records);
-      const double with = TestedHypothesis{problem, selection_.named}.variance(all);
-      const double gain = TestedHypothesis{problem, rest}.variance(all) - with;
-      return with < 1 + kLeastExcess &&
-             0.5 * observations(problem, all) * gain > kLeastAcceptedGain;
-    };
-    return fit_share(rest) > kFormShare && leaves(problem_) && leaves(*held_out_);
+    return is_small ? fmt::format("it explains less than {:g} % of the unseen records' error",
+                                  100 * least)
+                    : "";
   }
 
   // The candidate without which the held-out records are predicted best, if that is better than
