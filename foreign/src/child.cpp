@@ -153,6 +153,11 @@ ChildEnding watch(const std::function<void()>& main, const std::filesystem::path
 
 }  // namespace
 
+std::string told(const std::string& title, const ChildEnding& ending) {
+  return fmt::format("{}: {}{}{}", title, ending.trouble,
+                     ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
+}
+
 ChildEnding ending_of(int status, std::optional<double> deadline,
                       const std::filesystem::path& folder) {
   std::string messages = end_of(folder / kMessages);

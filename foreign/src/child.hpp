@@ -15,6 +15,9 @@ struct ChildEnding {
   std::string messages;  ///< the end of what it wrote to standard output and error
 };
 
+/// Trouble and messages in one line. @param title  of the program
+[[nodiscard]] std::string told(const std::string& title, const ChildEnding& ending);
+
 inline constexpr int kLookMilliseconds = 100;  ///< between looks for an interrupt
 
 /// File of what a program writes to standard output and error, in the folder of its run.

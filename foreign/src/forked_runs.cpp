@@ -3,8 +3,6 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "child.hpp"
 
 namespace rths::foreign {
@@ -43,9 +41,7 @@ std::vector<RunOutputs> ForkedRuns::results(std::span<const RunInputs* const> al
     for (std::size_t i = 0; i < outputs && ending.trouble.empty(); ++i, next += all[k]->rows)
       found[k].outputs.emplace_back(next, next + all[k]->rows);
   if (!ending.trouble.empty())
-    for (auto& one : found)
-      one.trouble = fmt::format("{}: {}{}{}", title, ending.trouble,
-                                ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
+    for (auto& one : found) one.trouble = told(title, ending);
   return found;
 }
 

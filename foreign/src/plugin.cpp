@@ -24,13 +24,9 @@ namespace {
 
 constexpr const char* kSignals = "signals";
 constexpr const char* kOfConfig = "config.";  // a parameter that is a key of the configuration
-constexpr std::uint32_t kMostSignals = 10'000;
-constexpr std::uint32_t kErrorSize = 1000;  // of a message [bytes]
-constexpr double kSameStep = 1e-6;          // of the interval of the rows
+constexpr std::uint32_t kErrorSize = 1000;    // of a message [bytes]
+constexpr double kSameStep = 1e-6;            // of the interval of the rows
 
-bool is_read(const PluginSignal& signal) {
-  return signal.direction == RTHS_INPUT || signal.direction == RTHS_PARAMETER;
-}
 bool is_of_config(const std::string& parameter) { return parameter.starts_with(kOfConfig); }
 
 /// An adapter of a plugin, made in this process.
@@ -53,8 +49,8 @@ class Instance {
   [[nodiscard]] std::span<const rths_signal> signals() const {
     std::uint32_t count = 0;
     const rths_signal* const all = adapter_.signals(self_, &count);
-    if (all == nullptr || count == 0 || count > kMostSignals)
-      throw Error{fmt::format("has {} signals, expected 1 to {}", count, kMostSignals)};
+    if (all == nullptr || count == 0 || count > plugin::kMostSignals)
+      throw Error{fmt::format("has {} signals, expected 1 to {}", count, plugin::kMostSignals)};
     return {all, count};
   }
   void activate() {
@@ -109,7 +105,7 @@ class PlaceReader {
 
   Places read() {
     for (const auto& signal : signals_)
-      if (is_read(signal))
+      if (plugin::is_read(signal))
         found_.in.push_back(signal.initial);
       else
         ++found_.out;
@@ -133,7 +129,7 @@ class PlaceReader {
     std::size_t place = 0;
     std::vector<std::string> known;
     for (const auto& signal : signals_) {
-      if (is_read(signal) != is_input) continue;
+      if (plugin::is_read(signal) != is_input) continue;
       if (signal.name == name) {
         if (is_input) has_value_[place] = true;
         return place;
@@ -148,7 +144,7 @@ class PlaceReader {
   void check_inputs() const {
     std::size_t place = 0;
     for (const auto& signal : signals_) {
-      if (!is_read(signal)) continue;
+      if (!plugin::is_read(signal)) continue;
       if (signal.direction == RTHS_INPUT && !has_value_[place])
         throw Error{fmt::format(
             "input '{}' has no value, expected it in inputs, or a constant value in start",
@@ -183,10 +179,9 @@ class PluginRun {
 
   void run() {
     Instance instance{settings_.file, config()};
-    std::size_t read = 0;
     const auto signals = instance.signals();
-    for (const auto& signal : signals)
-      if (signal.direction == RTHS_INPUT || signal.direction == RTHS_PARAMETER) ++read;
+    const auto read = static_cast<std::size_t>(std::count_if(
+        signals.begin(), signals.end(), [](const auto& one) { return plugin::is_read(one); }));
     if (read != in_.size() || signals.size() - read != out_.size())
       throw Error{"has other signals than at the start of the diagnosis"};
     for (std::size_t i = 0; i < places_.parameters.size(); ++i)
@@ -274,11 +269,8 @@ class PluginRun {
 
 class PluginSimulation final : public ForkedSimulation {
  public:
-  explicit PluginSimulation(PluginRunSettings settings)
-      : settings_{std::move(settings)},
-        places_{PlaceReader{settings_,
-                            plugin_signals(settings_.file, settings_.config, settings_.deadline)}
-                    .read()} {}
+  PluginSimulation(PluginRunSettings settings, const std::vector<PluginSignal>& signals)
+      : settings_{std::move(settings)}, places_{PlaceReader{settings_, signals}.read()} {}
 
  private:
   [[nodiscard]] std::vector<RunOutputs> run_forked_once(
@@ -312,9 +304,7 @@ std::vector<PluginSignal> plugin_signals(const std::filesystem::path& file,
     folder.write(kSignals, text);
   };
   const ChildEnding ending = run_forked(list, folder.path(), deadline);
-  if (!ending.trouble.empty())
-    throw Error{fmt::format("{}: {}{}{}", file.string(), ending.trouble,
-                            ending.messages.empty() ? "" : "; it wrote: ", ending.messages)};
+  if (!ending.trouble.empty()) throw Error{told(file.string(), ending)};
   std::vector<PluginSignal> signals;
   std::ifstream lines{folder.path() / kSignals};
   for (std::string numbers, name; std::getline(lines, numbers) && std::getline(lines, name);) {
@@ -331,8 +321,9 @@ std::vector<PluginSignal> plugin_signals(const std::filesystem::path& file,
   return signals;
 }
 
-std::unique_ptr<Simulation> make_plugin(PluginRunSettings settings) {
-  return std::make_unique<PluginSimulation>(std::move(settings));
+std::unique_ptr<Simulation> make_plugin(PluginRunSettings settings,
+                                        const std::vector<PluginSignal>& signals) {
+  return std::make_unique<PluginSimulation>(std::move(settings), signals);
 }
 
 }  // namespace rths::foreign

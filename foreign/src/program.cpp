@@ -127,8 +127,7 @@ class ProgramSimulation final : public Simulation {
 
   [[nodiscard]] std::string with_messages(const std::string& trouble,
                                           const ChildEnding& ending) const {
-    return fmt::format("{}: {}{}{}", settings_.command[0], trouble,
-                       ending.messages.empty() ? "" : "; it wrote: ", ending.messages);
+    return told(settings_.command[0], {trouble, ending.messages});
   }
 
   // The inputs as a script of OpenSees reads them: together, and each alone.

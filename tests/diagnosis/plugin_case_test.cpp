@@ -147,6 +147,10 @@ TEST_F(PluginCase, IsRefusedIfItCannotBeRun) {
   has(error_of("deadline_s = 0.5", "", "broken/create_loops.so"), "did not end within 0.5 s");
 }
 
+std::vector<foreign::PluginSignal> signals_of(const foreign::PluginRunSettings& settings) {
+  return foreign::plugin_signals(settings.file, settings.config, settings.deadline);
+}
+
 TEST(PluginRun, EndsWithThePluginsReason) {
   foreign::PluginRunSettings settings;
   settings.file = test::build_tree() / "oscillator/mass.so";
@@ -154,7 +158,7 @@ TEST(PluginRun, EndsWithThePluginsReason) {
   settings.inputs = {"lab.push"};
   settings.outputs = {"lab.displ"};
   settings.parameters = {"stiffness"};
-  const auto simulation = foreign::make_plugin(settings);
+  const auto simulation = foreign::make_plugin(settings, signals_of(settings));
   foreign::RunInputs inputs{0, 0.1, 100, {std::vector<double>(100, 1.0)}, {-1e5}, {}};
 
   EXPECT_NE(simulation->run(inputs).trouble.find("returned RTHS_FAULT at "), std::string::npos);
@@ -172,7 +176,7 @@ TEST(PluginRun, SurvivesACrash) {
   settings.file = test::build_tree() / "broken/step_crashes.so";
   settings.inputs = {"xpc.long.displ.ref"};
   settings.outputs = {"srmd.long.displ.fbk"};
-  const auto simulation = foreign::make_plugin(settings);
+  const auto simulation = foreign::make_plugin(settings, signals_of(settings));
   const foreign::RunInputs inputs{0, 0.001, 1000, {std::vector<double>(1000, 0.0)}, {}, {}};
 
   EXPECT_NE(simulation->run(inputs).trouble.find("was ended by signal 11"), std::string::npos);

@@ -3,19 +3,14 @@
 // Shared by the adapter and the trial of a plugin.
 #pragma once
 
-#include <cstdint>
-
 #include <rths_adapter.h>
+#include <rths/plugin/library.hpp>
 #include <rths/plugin/plugin_adapter.hpp>
 
 namespace rths::plugin {
 
-inline constexpr std::uint32_t kMostSignals = 10'000;
 inline constexpr double kUntouched = 6.0221408e23;  ///< beside the outputs; no plugin writes it
 
-[[nodiscard]] inline bool is_read(const rths_signal& signal) {
-  return signal.direction == RTHS_INPUT || signal.direction == RTHS_PARAMETER;
-}
 [[nodiscard]] inline bool has_range(const rths_signal& signal) {
   return signal.lowest != 0 || signal.highest != 0;
 }

@@ -194,7 +194,7 @@ class ForeignReader {
         },
         settings);
     found_.simulation =
-        table_.placed("file", [&] { return foreign::make_plugin(std::move(settings)); });
+        table_.placed("file", [&] { return foreign::make_plugin(std::move(settings), signals); });
   }
 
   static std::string unit_of(const fmi::ModelDescription& description, const std::string& name) {

@@ -48,8 +48,9 @@ struct PluginSignal {
 /// activated. It makes a step at each row, with the inputs of that time, and further steps between
 /// rows if `step` is a part of their interval. Its outputs after the step at a row belong to the
 /// row. The time starts at 0. Forces at ports are extrapolated from the last two steps.
-/// @throws Error if the plugin cannot be used, lacks a signal, or has an input without a value
-///         @setup
-[[nodiscard]] std::unique_ptr<Simulation> make_plugin(PluginRunSettings settings);
+/// @param signals  of the plugin
+/// @throws Error if the plugin lacks a signal, or has an input without a value   @setup
+[[nodiscard]] std::unique_ptr<Simulation> make_plugin(PluginRunSettings settings,
+                                                      const std::vector<PluginSignal>& signals);
 
 }  // namespace rths::foreign

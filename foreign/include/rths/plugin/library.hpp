@@ -2,12 +2,21 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include <rths_adapter.h>
 
 namespace rths::plugin {
+
+inline constexpr std::uint32_t kMostSignals = 10'000;  ///< of an adapter
+
+/// Whether an adapter reads a signal in a step; it writes the others.
+template <class Signal>
+[[nodiscard]] bool is_read(const Signal& signal) {
+  return signal.direction == RTHS_INPUT || signal.direction == RTHS_PARAMETER;
+}
 
 /// What to load for the plugin of a user: his library itself, or for a file in Python the host of
 /// such files.
